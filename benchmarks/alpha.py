@@ -13,7 +13,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from stt_codegen import reference
-from stt_codegen.design.paper_tubes.adaptive_search import adaptive
+from stt_codegen.design.paper_tubes.adaptive_search import design_adaptive
 from stt_codegen.designs.adaptive import AdaptiveDesign, parameters_of, step_alpha
 from stt_codegen.task.load import load_task
 
@@ -49,7 +49,7 @@ def stepped_alpha(design: AdaptiveDesign, dt: float, times: np.ndarray) -> np.nd
 def main() -> None:
     print(f"{'task':14s}{'dt [ms]':>10s}{'error of alpha':>18s}{'order':>8s}{'largest alpha':>16s}")
     for path in sorted(Path("tasks").glob("*.toml")):
-        design = adaptive(load_task(path))
+        design = design_adaptive(load_task(path))
         times, truth = stiff_alpha(design)
         before = None
         for dt in STEPS:

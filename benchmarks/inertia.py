@@ -27,7 +27,7 @@ import numpy as np
 
 from benchmarks.suites.families import FAMILIES, arena_task
 from benchmarks.suites.report import command, machine, record
-from stt_codegen.design.arena import arena_of, normalised, starting_box
+from stt_codegen.design.arena import arena_of, normalise, starting_box
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.routes.shortest_route import shortest_route
 from stt_codegen.errors import MissingTool, NotCertified
@@ -69,7 +69,7 @@ def arena(seed: int) -> Result:
 def least_acceleration(task: Task) -> float:
     """4 length/t_c^2 of the shortest route for the least width, in the largest component."""
     lattice = lattice_of(task)
-    place = normalised(arena_of(task, lattice), lattice.exponent)
+    place = normalise(arena_of(task, lattice), lattice.exponent)
     route = shortest_route(place, starting_box(place), np.full(place.dimension, place.min_width))
     return float(4 * route.length * place.length_unit / place.time_unit**2)
 

@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.suites.families import FAMILIES, arena_task, feasible
-from stt_codegen.design.arena import arena_of, normalised, starting_box
+from stt_codegen.design.arena import arena_of, normalise, starting_box
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.refine import refine
-from stt_codegen.design.routes.shortest_route import wide_route
+from stt_codegen.design.routes.shortest_route import find_route
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task.load import parse_task
@@ -55,12 +55,12 @@ def measured(design: Any) -> tuple[float, float]:
 def widest_box(task: Task) -> float:
     """The largest width of a box that has a route, alike in every dimension, in the task's units."""
     lattice = lattice_of(task)
-    arena = normalised(arena_of(task, lattice), lattice.exponent)
+    arena = normalise(arena_of(task, lattice), lattice.exponent)
     start = starting_box(arena)
     full = float(np.minimum(start[1] - start[0], arena.target[1] - arena.target[0]).min())
 
     def way(width: float) -> bool:
-        return wide_route(arena, start, np.full(arena.dimension, width)) is not None
+        return find_route(arena, start, np.full(arena.dimension, width)) is not None
 
     low, high = arena.min_width, full
     if way(high):

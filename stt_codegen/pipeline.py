@@ -234,15 +234,15 @@ def _certify_refined(task: Task, design: RefinedDesign, program: Program) -> Cer
 
 
 def _design_adaptive(task: Task) -> Design:
-    from stt_codegen.design.paper_tubes import adaptive
+    from stt_codegen.design.paper_tubes import design_adaptive
 
-    return adaptive(task)
+    return design_adaptive(task)
 
 
 def _design_literal(task: Task) -> Design:
-    from stt_codegen.design.paper_tubes import literal
+    from stt_codegen.design.paper_tubes import design_literal
 
-    return literal(task)
+    return design_literal(task)
 
 
 def _adaptive_program(task: Task, design: AdaptiveDesign) -> Program:

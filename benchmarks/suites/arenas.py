@@ -97,12 +97,12 @@ def _speeds(job: Job, certificate: Certificate) -> tuple[float, float]:
     from stt_codegen.certify.exact import certify_refined
     from stt_codegen.design.arena import arena_of, starting_box
     from stt_codegen.design.refine import refine
-    from stt_codegen.design.routes.shortest_route import find_route
+    from stt_codegen.design.routes.shortest_route import find_corner_route
 
     task = arena_task(FAMILIES[job.family], job.seed, job.clearance, job.min_width)
     arena = arena_of(task)
     try:
-        route = find_route(arena, starting_box(arena), np.full(arena.dimension, arena.min_width))
+        route = find_corner_route(arena, starting_box(arena), np.full(arena.dimension, arena.min_width))
     except NotCertified:  # a literal tube of an arena in which no other could start
         route = None
     if route is None:

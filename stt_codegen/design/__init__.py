@@ -1,4 +1,4 @@
-"""How the numbers of a tube are found. `refine` is the map of the refined design; the paper's tubes are in paper_tubes/.
+"""The search for the numbers of a tube. `refine` is the map of the refined design; the paper's tubes are in paper_tubes/.
 
 Large because a tube is searched for in five kinds of space: routes, time, missions, linear programs, the paper's functions.
 """

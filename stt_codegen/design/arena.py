@@ -1,8 +1,9 @@
-"""The task in floating point, as the design search sees it: grown by the body, with room for rounding.
+"""The task in floating point, as the design search sees it: grown by the body, with an allowance for rounding.
 
-Everything in `design/` uses only correctly rounded operations (+ - * / and comparisons), element by element:
-no BLAS, no sums over long axes, no transcendental functions. The linear programs are then the same bytes on every
-machine, and so is what the solver makes of them.
+Everything in `design/` uses only correctly rounded operations (+ - * / and comparisons), element by element: no BLAS, no sums
+over long axes, no transcendental functions. The linear programs are then the same bytes on every machine, and so are the
+solutions. The lemmas `rows.*` prove the constraints that the arrays are taken from; nothing rests on the arrays. Long because
+a task becomes an arena in one place: its sets, the half-spaces that cut them, and gamma(0).
 """
 
 from __future__ import annotations
@@ -36,16 +37,18 @@ from stt_codegen.task.sets import ConvexSet
 
 @dataclass(frozen=True, kw_only=True)
 class Arena:
-    """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n), the spans of the unsafe sets;
-    index 0 lower, 1 upper. names: of the unsafe sets; axes: what sentences call the dimensions. oblique_faces: what the spans do
-    not say. timed_obstacles: the sets that move, or are unsafe only at times, which are not among the names. walls,
-    goals: cut space and target.
+    """A task as arrays, of which index 0 is lower and 1 upper where they are boxes.
 
-    clearance, min_width: what the task asks for plus the arithmetic allowance. max_speeds: by dimension (n,); max_speed: what the
-    search takes for that of the swiftest; swiftness: of each, over that (n,), at most 1. max_acceleration: (n,), None for no
+    space, start, target: (2, n). unsafe: (J, 2, n), the spans of the unsafe sets that are always the same; names: of these sets.
+    oblique_faces: what the spans do not say. timed_obstacles: the sets that move, or are unsafe only at times. space_cuts,
+    target_cuts: the half-spaces that cut space and target. axes: what sentences call the dimensions.
+
+    clearance, min_width: what the task asks for plus the arithmetic allowance. max_speeds: (n,); max_speed: what the search takes
+    for that of the fastest dimension; relative_speeds: max_speeds over max_speed, at most 1. max_acceleration: (n,), None for no
     bound. allowance, difference_allowance: what rounding may change an edge by, and a difference of control points (`Lattice`).
-    length_unit, time_unit: what lengths and times are multiplied by to be the task's; origin: where in the task 0 is. order: of
-    the plant; where it is 2 edges are to be as little accelerated as they can be. seam: as of a design."""
+    length_unit, time_unit: factors that turn lengths and times into the task's. origin: the place of 0 in the task. order: of the
+    plant; for order 2 the search minimises the acceleration of edges. seam: as of a design.
+    """
 
     names: tuple[str, ...]
     axes: tuple[str, ...]
@@ -54,15 +57,15 @@ class Arena:
     target: Array
     unsafe: Array
     oblique_faces: ObliqueFaces
-    walls: HalfSpaces
-    goals: HalfSpaces
+    space_cuts: HalfSpaces
+    target_cuts: HalfSpaces
     initial_state: Array
     prescribed_time: float
     clearance: float
     min_width: float
     max_speed: float
     max_speeds: Array
-    swiftness: Array
+    relative_speeds: Array
     max_acceleration: Array | None
     allowance: float
     difference_allowance: float
@@ -77,156 +80,164 @@ class Arena:
     def dimension(self) -> int:
         return int(self.space.shape[1])
 
-    def distance(self, steps: Array) -> Array:
-        """What steps (P, n) take at full speed, as a way of the swiftest dimension: the largest component over its swiftness."""
-        return np.asarray((np.abs(steps) / self.swiftness).max(axis=1))
-
     @property
-    def boxes_only(self) -> bool:
+    def has_only_boxes(self) -> bool:
         """Whether every set is a box, so that its span says all of it."""
-        return not (len(self.oblique_faces.set_index) or len(self.walls.bound) or len(self.goals.bound))
+        return not (len(self.oblique_faces.set_index) or len(self.space_cuts.bound) or len(self.target_cuts.bound))
 
-    def only(self, keep: Sequence[int]) -> Arena:
-        """The arena with the unsafe sets whose numbers are in `keep` alone."""
-        names = tuple(self.names[j] for j in keep)
-        return replace(self, names=names, unsafe=self.unsafe[list(keep)], oblique_faces=self.oblique_faces.of_sets(keep))
+    def distance(self, steps: Array) -> Array:
+        """Return how far the fastest dimension gets in the time that steps (P, n) take at full speed: (P,)."""
+        return np.asarray((np.abs(steps) / self.relative_speeds).max(axis=1))
 
-    def place(self, i: int, value: float) -> float:
-        """A coordinate in the task's units and from the task's origin."""
+    def with_sets(self, indices: Sequence[int]) -> Arena:
+        """Return the arena with these unsafe sets alone."""
+        names, faces = tuple(self.names[j] for j in indices), self.oblique_faces.of_sets(indices)
+        return replace(self, names=names, unsafe=self.unsafe[list(indices)], oblique_faces=faces)
+
+    def task_coordinate(self, i: int, value: float) -> float:
+        """Return a coordinate in the task's units and from the task's origin."""
         return float(self.origin[i]) + value * self.length_unit
 
 
 def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
-    """The task as arrays, with the room that a lattice needs, seen from its origin. Raises `NotCertified` when sets are too
-    narrow to hold a tube at all."""
+    """Return the task as arrays, with the allowance of a lattice, seen from the lattice's origin.
+
+    Raises `NotCertified` when sets are too narrow to hold a tube at all.
+    """
     lattice = lattice or lattice_of(task)
     origin, allowance = lattice.origin, lattice.allowance
-    found = list(zip(task.obstacles, avoidances(task), strict=True))
-    shapes, sets = [s for s, one in found if one.course is None], [one for _, one in found if one.course is None]
-    n = task.dimension
-    least = max(row.bound for row in width_constraints(task))
-    wide = least + 2 * allowance
-    for field, box in (("initial_set", task.start), ("target_set", task.target)):
-        for i in range(n):
-            width = box.upper[i] - box.lower[i]
-            if width < wide + 4 * allowance:
-                raise NotCertified(
-                    f"{Property.WIDTH.label}: {field} is {decimal(width)} wide in {task.axis_words[i]}, too narrow for a tube of "
-                    f"min_width {decimal(least)} (plus {decimal(6 * allowance)} for rounding); "
-                    + (
-                        f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
-                        + {"float": ', or use emit.scalar = "double"', "fixed": ', or use "float"'}.get(task.emit.scalar, "")
-                        if width > least or width <= 6 * allowance
-                        else f"lower tube.min_width to {below(width - 6 * allowance, 4):g} or widen the set"
-                    )
-                )
-    inset = 2 * allowance
+    sets = list(zip(task.obstacles, avoidances(task), strict=True))
+    constant = [avoidance for _, avoidance in sets if avoidance.course is None]
+    min_width = max(constraint.bound for constraint in width_constraints(task))
+    _require_wide_sets(task, min_width, allowance)
     speeds, accelerations = edge_speed_limits(task), task.max_acceleration
     return Arena(
-        names=tuple(one.name for one in sets),
+        names=tuple(avoidance.name for avoidance in constant),
         axes=task.axis_words,
-        space=_bounds(stay_constraints(task), allowance, origin),
-        start=_bounds(start_constraints(task), inset, origin),
-        target=_bounds(reach_constraints(task), allowance, origin),
-        unsafe=_spans(sets, origin),
-        oblique_faces=_faces(sets, shapes, origin),
-        walls=_cuts(stay_constraints(task), allowance, origin),
-        goals=_cuts(reach_constraints(task), allowance, origin),
+        space=_box(stay_constraints(task), allowance, origin),
+        start=_box(start_constraints(task), 2 * allowance, origin),
+        target=_box(reach_constraints(task), allowance, origin),
+        unsafe=_spans(constant, origin),
+        oblique_faces=_oblique_faces(constant, [s for s, avoidance in sets if avoidance.course is None], origin),
+        space_cuts=_half_spaces(stay_constraints(task), allowance, origin),
+        target_cuts=_half_spaces(reach_constraints(task), allowance, origin),
         initial_state=np.array([float(v - o) for v, o in zip(task.initial_state, origin, strict=True)]),
         prescribed_time=float(task.prescribed_time),
         clearance=float(task.tube.clearance + allowance),
-        min_width=float(wide),
+        min_width=float(min_width + 2 * allowance),
         max_speed=math.inf if speeds is None else float(max(speeds)),
-        max_speeds=np.full(n, math.inf) if speeds is None else np.array([float(v) for v in speeds]),
-        swiftness=np.ones(n),
+        max_speeds=np.full(task.dimension, math.inf) if speeds is None else np.array([float(v) for v in speeds]),
+        relative_speeds=np.ones(task.dimension),
         max_acceleration=None if accelerations is None else np.array([float(v) for v in accelerations]),
         allowance=float(allowance),
         difference_allowance=float(lattice.difference_allowance),
         origin=origin,
         order=task.order,
-        timed_obstacles=tuple(timed_obstacle_of(one, origin) for _, one in found if one.course is not None),
+        timed_obstacles=tuple(timed_obstacle_of(avoidance, origin) for _, avoidance in sets if avoidance.course is not None),
     )
 
 
-def standing(arena: Arena) -> Arena:
-    """The arena at t = 0: what moves stands where it may be then."""
-    n, here = arena.dimension, [(m, at) for m in arena.timed_obstacles if (at := m.bounds_at_start()) is not None]
-    if not here:
-        return arena
-    faces, first = arena.oblique_faces, len(arena.names)
-    spans = np.array([np.stack([-at[0 : 2 * n : 2], at[1 : 2 * n : 2]]) for _, at in here])
-    more = ObliqueFaces(
-        np.concatenate([faces.normal, *(m.normal[2 * n :] for m, _ in here)]),
-        np.concatenate([faces.bound, *(at[2 * n :] for _, at in here)]),
-        np.concatenate([faces.set_index, *(np.full(len(at) - 2 * n, first + j) for j, (_, at) in enumerate(here))]).astype(
-            np.int64
-        ),
-        (*faces.bends, *(None for _ in here)),
-        faces.is_complete,
-    )
-    names = (*arena.names, *(m.name for m, _ in here))
-    return replace(arena, names=names, unsafe=np.concatenate([arena.unsafe, spans]), oblique_faces=more, timed_obstacles=())
+def _require_wide_sets(task: Task, min_width: Fraction, allowance: Fraction) -> None:
+    """Refuse a start or target that is too narrow for a tube of the minimum width."""
+    for field, box in (("initial_set", task.start), ("target_set", task.target)):
+        for i in range(task.dimension):
+            width = box.upper[i] - box.lower[i]
+            if width < min_width + 6 * allowance:
+                raise NotCertified(
+                    f"{Property.WIDTH.label}: {field} is {decimal(width)} wide in {task.axis_words[i]}, too narrow for a tube of "
+                    f"min_width {decimal(min_width)} (plus {decimal(6 * allowance)} for rounding); "
+                    + (
+                        f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
+                        + {"float": ', or use emit.scalar = "double"', "fixed": ', or use "float"'}.get(task.emit.scalar, "")
+                        if width > min_width or width <= 6 * allowance
+                        else f"lower tube.min_width to {below(width - 6 * allowance, 4):g} or widen the set"
+                    )
+                )
 
 
-def _bounds(rows: Sequence[Constraint], room: Fraction, origin: Sequence[Fraction]) -> Array:
-    """The box that rows of single edges leave, less `room`, seen from the origin: shape (2, n)."""
+def _box(constraints: Sequence[Constraint], margin: Fraction, origin: Sequence[Fraction]) -> Array:
+    """Return the box that constraints of single edges leave, less a margin, seen from the origin: shape (2, n)."""
     box = np.stack([np.full(len(origin), -np.inf), np.full(len(origin), np.inf)])
-    for row in rows:
-        if row.dimension is not None:
-            ((i, side, c),) = row.terms
-            edge = float((row.bound_from(origin) + row.slack_per_distance * room) / c)
+    for constraint in constraints:
+        if constraint.dimension is not None:
+            ((i, side, c),) = constraint.terms
+            edge = float((constraint.bound_from(origin) + constraint.slack_per_distance * margin) / c)
             box[side, i] = max(box[side, i], edge) if c > 0 else min(box[side, i], edge)
     return box
 
 
-def _cuts(rows: Sequence[Constraint], room: Fraction, origin: Sequence[Fraction]) -> HalfSpaces:
-    """What rows of several edges say, with `room` to spare."""
-    found = [row for row in rows if row.dimension is None]
-    normal = np.zeros((len(found), len(origin)))
-    for x, row in enumerate(found):
-        for i, _, c in row.terms:
-            normal[x, i] = float(Fraction(c, row.slack_per_distance))
-    return HalfSpaces(normal, np.array([float(row.bound_from(origin) / row.slack_per_distance + room) for row in found]))
+def _normals(constraints: Sequence[Constraint], n: int) -> Array:
+    """Return the normals of constraints, each over its |n|_1: shape (M, n)."""
+    normal = np.zeros((len(constraints), n))
+    for x, constraint in enumerate(constraints):
+        for i, _, c in constraint.terms:
+            normal[x, i] = float(Fraction(c, constraint.slack_per_distance))
+    return normal
+
+
+def _half_spaces(constraints: Sequence[Constraint], margin: Fraction, origin: Sequence[Fraction]) -> HalfSpaces:
+    """Return the constraints of several edges as half-spaces, less a margin."""
+    oblique = [c for c in constraints if c.dimension is None]
+    bounds = [float(c.bound_from(origin) / c.slack_per_distance + margin) for c in oblique]
+    return HalfSpaces(_normals(oblique, len(origin)), np.array(bounds))
 
 
 def _spans(sets: Sequence[Avoidance], origin: Sequence[Fraction]) -> Array:
-    """What rows of single edges say of every unsafe set, without the clearance, seen from the origin: shape (J, 2, n)."""
+    """Return the span of every unsafe set, without the clearance, seen from the origin: shape (J, 2, n)."""
     spans = np.empty((len(sets), 2, len(origin)))
-    for j, one in enumerate(sets):
-        for row in one.alternatives:
-            if row.dimension is not None:
-                ((i, side, sign),) = row.terms
-                spans[j, 1 - side, i] = float(row.bound_from(origin) / sign)
+    for j, avoidance in enumerate(sets):
+        for constraint in avoidance.alternatives:
+            if constraint.dimension is not None:
+                ((i, side, sign),) = constraint.terms
+                spans[j, 1 - side, i] = float(constraint.bound_from(origin) / sign)
     return spans
 
 
-def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], origin: Sequence[Fraction]) -> ObliqueFaces:
-    """The avoidance rows whose normal is no axis, as arrays, seen from the origin."""
-    found = [(j, row) for j, one in enumerate(sets) for row in one.alternatives if row.dimension is None]
-    normal = np.zeros((len(found), len(origin)))
-    for x, (_, row) in enumerate(found):
-        for i, _, c in row.terms:
-            normal[x, i] = float(Fraction(c, row.slack_per_distance))
-    skew = {j for j, _ in found}
+def _oblique_faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], origin: Sequence[Fraction]) -> ObliqueFaces:
+    """Return the alternatives whose normal is no axis, as arrays, seen from the origin."""
+    faces = [(j, c) for j, avoidance in enumerate(sets) for c in avoidance.alternatives if c.dimension is None]
+    oblique_sets = {j for j, _ in faces}
     return ObliqueFaces(
-        normal,
-        np.array([float(row.bound_from(origin) / row.slack_per_distance) for _, row in found]),
-        np.array([j for j, _ in found], dtype=np.int64),
-        tuple(_bends(s, origin) if j in skew else None for j, s in enumerate(shapes)),
+        _normals([c for _, c in faces], len(origin)),
+        np.array([float(c.bound_from(origin) / c.slack_per_distance) for _, c in faces]),
+        np.array([j for j, _ in faces], dtype=np.int64),
+        tuple(_bends(s, origin) if j in oblique_sets else None for j, s in enumerate(shapes)),
         not any(s.radius for s in shapes),
     )
 
 
 def _bends(convex: ConvexSet, origin: Sequence[Fraction]) -> Array:
-    """The bends of a set seen from the origin, points and signs: shape (2, V, n)."""
+    """Return the bends of a set seen from the origin, points and signs: shape (2, V, n)."""
     points = [[float(v - o) for v, o in zip(p, origin, strict=True)] for p, _ in convex.route_corners]
     return np.array([points, [list(map(float, signs)) for _, signs in convex.route_corners]])
 
 
-def normalised(arena: Arena, exponent: int) -> Arena:
-    """The same arena with lengths in units of 2**exponent (exactly) and t_c as unit of time, so that tolerances of the
-    search and of the solver mean the same for every task."""
-    unit, bend = 2.0**exponent, arena.max_acceleration
+def arena_at_start(arena: Arena) -> Arena:
+    """Return the arena at t = 0: a timed obstacle is where it may be then."""
+    n = arena.dimension
+    active = [(m, bounds) for m in arena.timed_obstacles if (bounds := m.bounds_at_start()) is not None]
+    if not active:
+        return arena
+    faces, first = arena.oblique_faces, len(arena.names)
+    spans = np.array([np.stack([-bounds[0 : 2 * n : 2], bounds[1 : 2 * n : 2]]) for _, bounds in active])
+    owners = [np.full(len(bounds) - 2 * n, first + j) for j, (_, bounds) in enumerate(active)]
+    all_faces = ObliqueFaces(
+        np.concatenate([faces.normal, *(m.normal[2 * n :] for m, _ in active)]),
+        np.concatenate([faces.bound, *(bounds[2 * n :] for _, bounds in active)]),
+        np.concatenate([faces.set_index, *owners]).astype(np.int64),
+        (*faces.bends, *(None for _ in active)),
+        faces.is_complete,
+    )
+    names, unsafe = (*arena.names, *(m.name for m, _ in active)), np.concatenate([arena.unsafe, spans])
+    return replace(arena, names=names, unsafe=unsafe, oblique_faces=all_faces, timed_obstacles=())
+
+
+def normalise(arena: Arena, exponent: int) -> Arena:
+    """Return the same arena with lengths in units of 2**exponent (exactly) and t_c as unit of time.
+
+    So tolerances of the search and of the solver mean the same for every task.
+    """
+    unit, acceleration = 2.0**exponent, arena.max_acceleration
     return replace(
         arena,
         space=arena.space / unit,
@@ -234,15 +245,15 @@ def normalised(arena: Arena, exponent: int) -> Arena:
         target=arena.target / unit,
         unsafe=arena.unsafe / unit,
         oblique_faces=arena.oblique_faces.scaled(unit),
-        walls=arena.walls.scaled(unit),
-        goals=arena.goals.scaled(unit),
+        space_cuts=arena.space_cuts.scaled(unit),
+        target_cuts=arena.target_cuts.scaled(unit),
         initial_state=arena.initial_state / unit,
         prescribed_time=1.0,
         clearance=arena.clearance / unit,
         min_width=arena.min_width / unit,
         max_speed=arena.max_speed * arena.prescribed_time / unit,
         max_speeds=arena.max_speeds * arena.prescribed_time / unit,
-        max_acceleration=None if bend is None else bend * (arena.prescribed_time * arena.prescribed_time) / unit,
+        max_acceleration=None if acceleration is None else acceleration * (arena.prescribed_time * arena.prescribed_time) / unit,
         allowance=arena.allowance / unit,
         difference_allowance=arena.difference_allowance / unit,
         length_unit=unit,
@@ -251,62 +262,70 @@ def normalised(arena: Arena, exponent: int) -> Arena:
     )
 
 
-def _cut_beyond(arena: Arena, box: Array, room: float, x: int) -> tuple[Array, int]:
-    """The box cut back to keep the clearance beyond face x, `room` of which it has: along the component of its normal in which
-    x(0) is farthest from the edge that moves, for what the cut takes there."""
-    lack = (arena.clearance - room) * (1 + 1e-12)
-    cut = box.copy()
-
-    def left(i: int) -> float:
-        c = float(arena.oblique_faces.normal[x, i])
-        if not c:
-            return -math.inf
-        state = float(arena.initial_state[i])
-        return (state - float(box[0, i]) if c > 0 else float(box[1, i]) - state) - lack / abs(c)
-
-    i = max(range(arena.dimension), key=left)
-    c = float(arena.oblique_faces.normal[x, i])
-    cut[0 if c > 0 else 1, i] += lack / c
-    return cut, i
-
-
 def starting_box(arena: Arena) -> Array:
-    """gamma(0): the initial set less the allowance, cut back where an unsafe set is nearer than the clearance.
+    """Return gamma(0): the initial set less the allowance, cut back where an unsafe set is nearer than the clearance.
 
     Shape (2, n). An unsafe set that is too near is cut away in the dimension with the largest gap.
-    Raises `NotCertified` when x(0) or the least width is lost by that.
+    Raises `NotCertified` when x(0) or the minimum width is lost by that.
     """
-    box, arena = arena.start.copy(), standing(arena)
-    for j, name in enumerate(arena.names):
-        below = arena.unsafe[j, 0] - box[1]  # gap with the box on the lower side of U_j
-        above = box[0] - arena.unsafe[j, 1]
-        gap = np.maximum(below, above)
-        i = int(np.argmax(gap))
-        own = arena.oblique_faces.indices_of(j)
-        slanted = list(zip(arena.oblique_faces.distances_beyond(box, own.start, own.stop).tolist(), own, strict=True))
-        nearest = max([float(gap[i]), *(room for room, _ in slanted)])
-        if nearest >= arena.clearance:
-            continue
-        along = f"in {arena.axes[i]}"
-        if slanted and max(slanted)[0] > gap[i]:
-            along = "across a face, by component"
-            box, i = _cut_beyond(arena, box, *max(slanted))
-        elif below[i] >= above[i]:
-            box[1, i] = arena.unsafe[j, 0, i] - arena.clearance
-        else:
-            box[0, i] = arena.unsafe[j, 1, i] + arena.clearance
-        x, size = arena.initial_state[i], arena.length_unit
-        if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
-            kept, place, gap = (arena.clearance - arena.allowance) * size, arena.place(i, x), max(nearest, 0.0) * size
-            raise NotCertified(
-                f"{Property.AVOID.label} at t = 0: {name} is {gap:.6g} from the initial set {along}, nearer than the clearance "
-                f"{kept:.6g}, and x(0) = {place:.6g} in {arena.axes[i]} leaves no room to start elsewhere; "
-                "lower tube.clearance, or move the initial set or x(0) away from it"
-            )
+    box, arena = arena.start.copy(), arena_at_start(arena)
+    for j in range(len(arena.names)):
+        box = _cut_away(arena, box, j)
     for i, x in enumerate(arena.initial_state):
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance:
             raise NotCertified(
-                f"{Property.START.label}: initial_state[{i}] = {arena.place(i, x):.9g} is nearer than "
+                f"{Property.START.label}: initial_state[{i}] = {arena.task_coordinate(i, x):.9g} is nearer than "
                 f"{4 * arena.allowance * arena.length_unit:.3g} (for rounding) to the edge of the initial set; move it inside"
             )
     return box
+
+
+def _cut_away(arena: Arena, box: Array, j: int) -> Array:
+    """Return the box cut back to keep the clearance from unsafe set j, in the dimension with the largest gap."""
+    below_gap, above_gap = arena.unsafe[j, 0] - box[1], box[0] - arena.unsafe[j, 1]  # with the box on that side of U_j
+    gap = np.maximum(below_gap, above_gap)
+    i = int(np.argmax(gap))
+    faces = arena.oblique_faces.indices_of(j)
+    face_gaps = arena.oblique_faces.distances_beyond(box, faces.start, faces.stop).tolist()
+    widest_face = max(zip(face_gaps, faces, strict=True), default=None)
+    nearest = max([float(gap[i]), *face_gaps])
+    if nearest >= arena.clearance:
+        return box
+    box, direction = box.copy(), f"in {arena.axes[i]}"
+    if widest_face is not None and widest_face[0] > gap[i]:
+        direction = "across a face, by component"
+        box, i = _cut_beyond_face(arena, box, *widest_face)
+    elif below_gap[i] >= above_gap[i]:
+        box[1, i] = arena.unsafe[j, 0, i] - arena.clearance
+    else:
+        box[0, i] = arena.unsafe[j, 1, i] + arena.clearance
+    x, unit = arena.initial_state[i], arena.length_unit
+    if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
+        distance, clearance = max(nearest, 0.0) * unit, (arena.clearance - arena.allowance) * unit
+        raise NotCertified(
+            f"{Property.AVOID.label} at t = 0: {arena.names[j]} is {distance:.6g} from the initial set {direction}, nearer than "
+            f"the clearance {clearance:.6g}, and x(0) = {arena.task_coordinate(i, x):.6g} in {arena.axes[i]} leaves no room "
+            "to start elsewhere; lower tube.clearance, or move the initial set or x(0) away from it"
+        )
+    return box
+
+
+def _cut_beyond_face(arena: Arena, box: Array, gap: float, x: int) -> tuple[Array, int]:
+    """Return the box cut back to keep the clearance beyond face x, to which it has a gap, and the dimension that is cut.
+
+    That is the component of the normal in which x(0) is farthest from the edge that moves, for what the cut takes there.
+    """
+    missing = (arena.clearance - gap) * (1 + 1e-12)
+    normal = arena.oblique_faces.normal[x].tolist()
+
+    def margin(i: int) -> float:
+        """Return how far x(0) is from the edge after the cut."""
+        c, state = normal[i], float(arena.initial_state[i])
+        if not c:
+            return -math.inf
+        return (state - float(box[0, i]) if c > 0 else float(box[1, i]) - state) - missing / abs(c)
+
+    i = max(range(arena.dimension), key=margin)
+    cut = box.copy()
+    cut[0 if normal[i] > 0 else 1, i] += missing / normal[i]
+    return cut, i

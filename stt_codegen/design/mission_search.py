@@ -2,7 +2,7 @@
 
     skeletons -> order and path (missions/orders.py) -> times of the events, at the smallest speed (a linear program)
               -> knots of the spline -> what each state requires between the knots, as sets that move
-              -> the slowest tube (spline_tubes/shape.py)
+              -> the slowest tube (spline_tubes/slowest_tube.py)
 
 Times are chosen before the tube, so a tube may exist although none is found; a tube that is found is certified later. refine.py
 and the refusals call `search_of`.
@@ -33,9 +33,9 @@ from stt_codegen.design.missions import (
     slowest_plan,
 )
 from stt_codegen.design.moving_search import TimedSearch
-from stt_codegen.design.routes import limits_in_time
-from stt_codegen.design.spacetime import way_in_time
-from stt_codegen.design.spline_tubes import QUICK, Search, Shape, slowest_shape
+from stt_codegen.design.routes import bounds_along_timed_route
+from stt_codegen.design.spacetime import find_timed_route
+from stt_codegen.design.spline_tubes import SEGMENT_TRIALS, SplineTube, TubeSearch, slowest_tube
 
 WIDTH_SHARES = (1.0, 0.6, 0.3)  # of the narrower of start and target: the widths that are tried before the minimum width
 PLAN_LIMIT = 4  # plans that are made a tube
@@ -61,7 +61,7 @@ class MissionSearch(TimedSearch):
     _speed_bounds: dict[Skeleton, float] = field(default_factory=dict)
 
     @property
-    def straight(self) -> float:
+    def shortest_distance(self) -> float:
         """Return the speed of the plan for the minimum width: no tube is known to be slower.
 
         The events are in the order of a wider tube's plan, where there is one.
@@ -117,20 +117,20 @@ class MissionSearch(TimedSearch):
         has_more_events = skeleton.event_count > max(plan.skeleton.event_count for plan in plans)
         return has_more_events and any(plan.speed <= UNHURRIED_SPEED * float(np.cumsum(plan.lengths)[-1]) for plan in plans)
 
-    def design_width(self, share: float) -> Shape | None:
+    def design_width(self, share: float) -> SplineTube | None:
         """Return the slowest tube whose width is this share, among the first plans; None where none is found."""
         width = self.width(share)
-        best: Shape | None = None
+        best: SplineTube | None = None
         for plan in self.plans_for(share)[:PLAN_LIMIT]:
             if self.arena.order == 1 and plan.speed > self.arena.max_speed:
                 continue
-            segments_limit = 1 if self.arena.timed_obstacles and share else QUICK if best is not None else len(self.ladder)
-            for segments in self.ladder[:segments_limit]:
+            count_limit = SEGMENT_TRIALS if best is not None else len(self.segment_counts)
+            for segments in self.segment_counts[: 1 if self.arena.timed_obstacles and share else count_limit]:
                 for number, timing in enumerate(self.timings(plan, segments, width)):
-                    shape = self._design_timing(plan, timing, segments, width)
-                    if shape is None:
+                    tube = self._design_timing(plan, timing, segments, width)
+                    if tube is None:
                         continue
-                    best = shape if best is None or shape.speed < best.speed else best
+                    best = tube if best is None or tube.speed < best.speed else best
                     is_close = best.speed <= CLOSE_TO_PLAN * plan.speed
                     is_second_try = self.arena.order == 2 and number > 0
                     # where sets move the speed of a plan says nothing, for a plan ignores them
@@ -138,18 +138,18 @@ class MissionSearch(TimedSearch):
                         return best
         return best
 
-    def _design_timing(self, plan: Plan, timing: Timing, segments: int, width: Array) -> Shape | None:
+    def _design_timing(self, plan: Plan, timing: Timing, segments: int, width: Array) -> SplineTube | None:
         """Return a tube whose events are at these knots; None where none is found within the bounds on speed.
 
         States that must hold at one moment hold for a segment to either side of it too, where the tube is hardly faster for it.
         """
-        shape = self.design_plan(plan, timing, segments, width)
-        if shape is None or (self.arena.order == 1 and shape.speed > self.most(segments)):
+        tube = self.design_plan(plan, timing, segments, width)
+        if tube is None or (self.arena.order == 1 and tube.speed > self.peak_speed_limit(segments)):
             return None
-        widened = self.design_plan(plan, Timing(timing.knots, shape.way), segments, width, widened=True)
-        if widened is not None and widened.speed <= min(WIDENED_SPEED * shape.speed, self.most(segments)):
+        widened = self.design_plan(plan, Timing(timing.knots, tube.centre_route), segments, width, widened=True)
+        if widened is not None and widened.speed <= min(WIDENED_SPEED * tube.speed, self.peak_speed_limit(segments)):
             return widened
-        return shape
+        return tube
 
     def timings(self, plan: Plan, segments: int, width: Array) -> Iterator[Timing]:
         """Yield timings to try, without repetition, with more and more time for every leg.
@@ -171,7 +171,7 @@ class MissionSearch(TimedSearch):
             if route is not None:
                 yield Timing(route.knots, route.centre)
 
-    def design_plan(self, plan: Plan, timing: Timing, segments: int, width: Array, *, widened: bool = False) -> Shape | None:
+    def design_plan(self, plan: Plan, timing: Timing, segments: int, width: Array, *, widened: bool = False) -> SplineTube | None:
         """Return the slowest tube whose events are at these knots; None where none is found.
 
         widened: whether a state that must hold at one moment must hold for a segment to either side of it.
@@ -183,14 +183,14 @@ class MissionSearch(TimedSearch):
         route = timing.route
         if route is None and self.arena.timed_obstacles:  # a plan ignores sets that move
             is_wide = bool((width > self.width(0.0)).any())  # the coarsest cells are enough for a wide tube
-            route = way_in_time(arena, self.centre, width, segments, is_wide)
+            route = find_timed_route(arena, self.centre, width, segments, is_wide)
             if route is None:
                 return None
         if route is None:
             route = centre_along(plan, timing.knots, segments)
-        limits = limits_in_time(arena, self.start, route, width)
-        shape = slowest_shape(arena, self.start, limits, width, plan.speed, self.solvers)
-        return None if shape is None else replace(shape, demands=obstacles, way=route)
+        bounds = bounds_along_timed_route(arena, self.start, route, width)
+        tube = slowest_tube(arena, self.start, bounds, width, route_length=plan.speed, solver_cache=self.solver_cache)
+        return None if tube is None else replace(tube, mission_obstacles=obstacles, centre_route=route)
 
 
 def _has_shorter_plan(skeleton: Skeleton, plans: list[Plan]) -> bool:
@@ -200,12 +200,12 @@ def _has_shorter_plan(skeleton: Skeleton, plans: list[Plan]) -> bool:
     )
 
 
-def search_of(arena: Arena, start: Array, ladder: tuple[int, ...], mission: Mission | None = None) -> Search:
+def search_of(arena: Arena, start: Array, segment_counts: tuple[int, ...], mission: Mission | None = None) -> TubeSearch:
     """Return the search for an arena, and a mission in it."""
-    kind = MissionSearch if mission is not None else TimedSearch if arena.timed_obstacles else Search
-    return kind(arena, start, ladder, mission=mission)
+    kind = MissionSearch if mission is not None else TimedSearch if arena.timed_obstacles else TubeSearch
+    return kind(arena, start, segment_counts, mission=mission)
 
 
-def without_solver_cache(search: Search) -> Search:
+def without_solver_cache(search: TubeSearch) -> TubeSearch:
     """Return the same search without anything that it has solved before."""
-    return search_of(search.arena, search.start, search.ladder, search.mission)
+    return search_of(search.arena, search.start, search.segment_counts, search.mission)

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.design.routes import limits_in_time
-from stt_codegen.design.spacetime import leads, way_in_time
-from stt_codegen.design.spline_tubes import ROOM, Search, Shape, slowest_shape
+from stt_codegen.design.routes import bounds_along_timed_route
+from stt_codegen.design.spacetime import find_timed_route, has_timed_route
+from stt_codegen.design.spline_tubes import ROUTE_DETOUR_LIMIT, SplineTube, TubeSearch, slowest_tube
 
 WIDTH_SHARES = (
     1.0,
@@ -25,7 +25,7 @@ WIDTH_SHARES = (
 )  # of the narrower of start and target: the widths that are tried before the minimum width
 
 
-class TimedSearch(Search):
+class TimedSearch(TubeSearch):
     """A search whose arena has timed obstacles."""
 
     @property
@@ -43,53 +43,55 @@ class TimedSearch(Search):
         minimum = self.width(0.0)
         return tuple(share for share in shares if (self.width(share) > minimum).any())
 
-    def widest(self) -> Shape | None:
-        """Return the widest tube that is at most ROOM times as fast as the slowest possible one; else the slowest of all."""
-        candidates: list[Shape] = []
-        slowest: Shape | None = None
+    def find_widest(self) -> SplineTube | None:
+        """Return the widest tube at most ROUTE_DETOUR_LIMIT times as fast as the slowest possible; else the slowest of all."""
+        candidates: list[SplineTube] = []
+        slowest: SplineTube | None = None
         for share in self.width_shares:
-            shape = self.design_width(share)
-            if shape is None:
+            tube = self.design_width(share)
+            if tube is None:
                 if not candidates and not self.has_route():
                     return None
                 continue
-            if self.within(shape, ROOM[self.arena.order] * self.straight):
-                return shape
+            if self.is_within(tube, ROUTE_DETOUR_LIMIT[self.arena.order] * self.shortest_distance):
+                return tube
             if slowest is None:
-                slowest = self.slowest()
+                slowest = self.find_slowest()
                 candidates += [] if slowest is None else [slowest]
-            candidates.append(shape)
-            if self.within(shape, ROOM[self.arena.order] * min(s.speed for s in candidates)):
-                return shape
-        last = self.slowest() if slowest is None else slowest
+            candidates.append(tube)
+            if self.is_within(tube, ROUTE_DETOUR_LIMIT[self.arena.order] * min(s.speed for s in candidates)):
+                return tube
+        last = self.find_slowest() if slowest is None else slowest
         candidates += [] if last is None else [last]
         return min(candidates, key=lambda s: s.speed, default=None)
 
     def has_route(self) -> bool:
         """Return whether some number of segments has a route of the minimum width; without one no wider tube has a route."""
-        return any(leads(self.arena, self.centre, self.width(0.0), segments) for segments in self.ladder)
+        return any(has_timed_route(self.arena, self.centre, self.width(0.0), segments) for segments in self.segment_counts)
 
-    def family(self) -> Iterator[Shape]:
+    def generate_family(self) -> Iterator[SplineTube]:
         for share in (*self.width_shares, 0.0):
-            shape = self.design_width(share)
-            if shape is not None and self.keeps(shape):
-                yield shape
+            tube = self.design_width(share)
+            if tube is not None and self.meets_speed_limits(tube):
+                yield tube
 
-    def slowest(self, _route: object = None) -> Shape | None:
+    def find_slowest(self, _route: object = None) -> SplineTube | None:
         return self.design_width(0.0)
 
-    def many(self) -> Shape | None:
-        return self.widest()
+    def find_among_many_obstacles(self) -> SplineTube | None:
+        return self.find_widest()
 
-    def design_width(self, share: float) -> Shape | None:
+    def design_width(self, share: float) -> SplineTube | None:
         """Return a tube whose width is this share, with the fewest segments for which one exists; None where none is found."""
         width = self.width(share)
-        for segments in self.ladder:
-            route = way_in_time(self.arena, self.centre, width, segments)
+        for segments in self.segment_counts:
+            route = find_timed_route(self.arena, self.centre, width, segments)
             if route is None:
                 continue
-            limits = limits_in_time(self.arena, self.start, route, width)
-            shape = slowest_shape(self.arena, self.start, limits, width, self.straight, self.solvers)
-            if shape is not None:
-                return shape
+            bounds = bounds_along_timed_route(self.arena, self.start, route, width)
+            tube = slowest_tube(
+                self.arena, self.start, bounds, width, route_length=self.shortest_distance, solver_cache=self.solver_cache
+            )
+            if tube is not None:
+                return tube
         return None

@@ -1,9 +1,9 @@
-"""The refined design: a width, a route with room for it, its sides, then a spline tube by linear programming.
+"""The refined design: a width, a route for a tube of that width, its sides, then a spline tube by linear programming.
 
     arena -> the widest share of start and target for which a route is short enough (design/spline_tubes/widest.py)
-          -> sides of the box of that width that moves along the route; where that fails, stays and stretch times
-          -> the slowest tube of that width (small linear programs, one for each dimension), sides chosen anew while it helps
-          -> a smaller share, until the tube is slow enough; then, of all that slow, the one that bends least
+          -> sides of the box of that width that moves along the route; where that fails, the sides that last longest, with times
+          -> the slowest tube of that width (small linear programs, one for each dimension), sides chosen again while it helps
+          -> a smaller share, until the tube is slow enough; then the smoothest of all that are as slow
           -> coefficients rounded to a dyadic grid that a float holds exactly
 
 So the width is in every bound from the start. Nothing here is trusted: the exact certificate is computed from the rounded
@@ -15,159 +15,182 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
-from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
+from stt_codegen.design.arena import Arena, arena_of, normalise, starting_box
 from stt_codegen.design.filter_rate import with_filter
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.mission_search import search_of, without_solver_cache
 from stt_codegen.design.missions import mission_of, require_start
 from stt_codegen.design.refusals import explain_refusal
-from stt_codegen.design.spline_tubes import PLENTY, Search, Shape, calmest, segments_tried
+from stt_codegen.design.spline_tubes import MANY_OBSTACLES, SplineTube, TubeSearch, segment_counts_of, smoothest_tube
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.sampling import Gains, condition_kinds_of, loop_of, natural_gain
 from stt_codegen.task import Task
 
-CAPS = (2, 1, 4, 16)  # times the speed without bounds by component is what one may have, in this order
-LITTLE = 3_000  # labels of a search for an order, where it is only asked what would do: that is asked some dozens of times
-AS_SLOW = 1.01  # times the slowest tube is as slow, where that is preferred: so much for width
+SPEED_CAPS = (2, 1, 4, 16)  # times the speed needed without bounds by component: the limits that are tried, in this order
+ADVICE_LABEL_LIMIT = 3_000  # labels of a search for an order of visits, for advice: it is made some dozens of times
+SLOWEST_TOLERANCE = 1.01  # a tube so many times as fast as the slowest counts as slow as it, and the widest of these is taken
+
+
+class _SearchResult(NamedTuple):
+    """A tube, and the search that found it."""
+
+    search: TubeSearch
+    tube: SplineTube
 
 
 def refine(task: Task) -> RefinedDesign:
     """Design a refined tube, the one that tube.prefer asks for. Raises `NotCertified` with the reason when none is found."""
-    arena = _arena(task)
-    found = _designed(task, arena)
-    if found is None:
-        raise NotCertified(explain_refusal(task, arena, _is_found))
-    return _completed(task, *found)
+    arena = _normalised_arena(task)
+    result = _search_preferred(task, arena)
+    if result is None:
+        raise NotCertified(explain_refusal(task, arena, _has_tube))
+    return _design_of(task, result)
 
 
 def refine_with_allowance(task: Task, rounding_allowance_factor: int) -> RefinedDesign | None:
     """Design the tube that is preferred with so many times the usual allowance for rounding at every bound on its edges. Returns
     None where there is none."""
     with suppress(NotCertified):
-        designed = _designed(task, _arena(task, rounding_allowance_factor))
-        return None if designed is None else _completed(task, *designed)
+        result = _search_preferred(task, _normalised_arena(task, rounding_allowance_factor))
+        return None if result is None else _design_of(task, result)
     return None
-
-
-def _completed(task: Task, search: Search, shape: Shape) -> RefinedDesign:
-    """Round the tube and choose its filter; where no filter does, those of the slowest tube."""
-    try:
-        return _finished(task, search, shape)
-    except NotCertified:  # of order 2: a narrower tube presses less
-        slow = without_solver_cache(search).slowest() if task.order == 2 else None
-        if slow is None:
-            raise
-        return _finished(task, search, slow)
 
 
 def family(task: Task) -> list[RefinedDesign]:
-    """Tubes of several widths for one task, the widest first; of many unsafe sets the slowest alone. They are those that
-    tube.prefer chooses from."""
-    found = _designed(task, _arena(task))
-    if found is None:
+    """Return tubes of several widths for one task, the widest first; of many unsafe sets the slowest alone.
+
+    They are those that tube.prefer chooses from.
+    """
+    result = _search_preferred(task, _normalised_arena(task))
+    if result is None:
         return []
-    fresh = without_solver_cache(found[0])
-    return [_finished(task, fresh, shape) for shape in _others(fresh)]
+    search = without_solver_cache(result.search)
+    return [_round_and_filter(task, search, tube) for tube in _tubes_of_other_widths(search)]
 
 
-def _arena(task: Task, rounding_allowance_factor: int = 1) -> Arena:
+def _normalised_arena(task: Task, rounding_allowance_factor: int = 1) -> Arena:
     lattice = replace(lattice_of(task), rounding_allowance_factor=rounding_allowance_factor)
-    return normalised(arena_of(task, lattice), lattice.exponent)
+    return normalise(arena_of(task, lattice), lattice.exponent)
 
 
-def _is_found(task: Task) -> bool:
+def _has_tube(task: Task) -> bool:
+    """Return whether a tube within its limits is found for a task that a refusal proposes."""
     with suppress(NotCertified):
-        return _designed(task, _arena(task), LITTLE) is not None
+        return _search_preferred(task, _normalised_arena(task), ADVICE_LABEL_LIMIT) is not None
     return False
 
 
-def _designed(task: Task, arena: Arena, effort: int | None = None) -> tuple[Search, Shape] | None:
-    """The tube that is preferred, within its limits; None where none is found. A bound on a component's speed is no reason to
-    use it up: first it is only asked whether it is kept, then no component may be faster than a few times what it takes without
-    such bounds. effort: labels that are looked at for an order of the visits."""
-    start, ladder = starting_box(arena), segments_tried(task, arena)
+def _design_of(task: Task, result: _SearchResult) -> RefinedDesign:
+    """Round the tube and choose its filter; where no filter does, those of the slowest tube."""
+    try:
+        return _round_and_filter(task, *result)
+    except NotCertified:  # of order 2: a narrower tube demands less acceleration
+        slowest = without_solver_cache(result.search).find_slowest() if task.order == 2 else None
+        if slowest is None:
+            raise
+        return _round_and_filter(task, result.search, slowest)
+
+
+def _search_preferred(task: Task, arena: Arena, label_limit: int | None = None) -> _SearchResult | None:
+    """Return the tube that is preferred, within its limits; None where none is found.
+
+    A bound on a component's speed is no reason to use it up. So a tube is first searched without these bounds, and returned if it
+    keeps to them; then no component may be faster than a few times what it needs without such bounds. label_limit: labels that
+    are looked at for an order of the visits.
+    """
+    start, segment_counts = starting_box(arena), segment_counts_of(task, arena)
     mission = mission_of(task, arena)
-    if mission is not None and effort is not None:
-        mission = replace(mission, label_limit=effort)
+    if mission is not None and label_limit is not None:
+        mission = replace(mission, label_limit=label_limit)
     if mission is not None:
         require_start(mission, start)
-    plain = search_of(arena, start, ladder, mission)
-    shape = _chosen(task, plain)
-    if shape is not None and plain.keeps(shape):
-        return plain, shape
+    search = search_of(arena, start, segment_counts, mission)
+    tube = _preferred_tube(task, search)
+    if tube is not None and search.meets_speed_limits(tube):
+        return _SearchResult(search, tube)
     if np.all(arena.max_speeds == arena.max_speed):
         return None
-    base = plain.arena.max_speeds.min() if shape is None else max(shape.speed, float(plain.arena.max_speeds.min()))
-    for times in CAPS:
-        speeds = np.minimum(arena.max_speeds, times * base)
+    lowest_limit = float(arena.max_speeds.min())
+    needed_speed = lowest_limit if tube is None else max(tube.speed, lowest_limit)
+    for cap in SPEED_CAPS:
+        speeds = np.minimum(arena.max_speeds, cap * needed_speed)
         fastest = float(speeds.max())
-        search = search_of(replace(arena, max_speed=fastest, swiftness=speeds / fastest), start, ladder, mission)
-        shape = _chosen(task, search)
-        if shape is not None and search.keeps(shape):
-            return search, shape
+        capped_arena = replace(arena, max_speed=fastest, relative_speeds=speeds / fastest)
+        search = search_of(capped_arena, start, segment_counts, mission)
+        tube = _preferred_tube(task, search)
+        if tube is not None and search.meets_speed_limits(tube):
+            return _SearchResult(search, tube)
     return None
 
 
-def _chosen(task: Task, search: Search) -> Shape | None:
-    """Of the tubes that are found the one that tube.prefer asks for."""
-    shape = search.many() if len(search.arena.names) > PLENTY else search.widest()
+def _preferred_tube(task: Task, search: TubeSearch) -> SplineTube | None:
+    """Return the tube that tube.prefer asks for, of all that are found."""
+    has_many_obstacles = len(search.arena.names) > MANY_OBSTACLES
+    balanced = search.find_among_many_obstacles() if has_many_obstacles else search.find_widest()
     if task.tube.prefer == "balanced":
-        return shape
-    own = [] if shape is None or not search.keeps(shape) else [shape]
-    # made anew, so that they are the same tubes whatever was solved before
-    return _preferred(task, search, own + _others(without_solver_cache(search)))
+        return balanced
+    tubes = [] if balanced is None or not search.meets_speed_limits(balanced) else [balanced]
+    # without the cache these are the same tubes whatever was solved before
+    tubes += _tubes_of_other_widths(without_solver_cache(search))
+    return _choose_preferred(task, search, tubes)
 
 
-def _others(search: Search) -> list[Shape]:
-    if len(search.arena.names) <= PLENTY:
-        return list(search.family())
-    slow = search.slowest()
-    return [slow] if slow is not None and search.keeps(slow) else []
+def _tubes_of_other_widths(search: TubeSearch) -> list[SplineTube]:
+    if len(search.arena.names) <= MANY_OBSTACLES:
+        return list(search.generate_family())
+    slowest = search.find_slowest()
+    return [slowest] if slowest is not None and search.meets_speed_limits(slowest) else []
 
 
-def _preferred(task: Task, search: Search, shapes: list[Shape]) -> Shape | None:
-    """Of several tubes the one that tube.prefer asks for; the first of equals."""
-    if not shapes:
+def _choose_preferred(task: Task, search: TubeSearch, tubes: list[SplineTube]) -> SplineTube | None:
+    """Return the tube that tube.prefer asks for; the first of equals."""
+    if not tubes:
         return None
     if task.tube.prefer == "period":
         allowance = Fraction(search.arena.allowance) * Fraction(search.arena.length_unit)
-        return max(shapes, key=lambda shape: _longest_period(task, _finished(task, search, shape), allowance))
+        return max(tubes, key=lambda tube: _longest_period(task, _round_and_filter(task, search, tube), allowance))
     if task.tube.prefer == "wide":
-        return max(shapes, key=lambda shape: (shape.width.min(), -shape.speed))
-    slow = [shape for shape in shapes if shape.speed <= AS_SLOW * min(s.speed for s in shapes)]
-    return max(slow, key=lambda shape: shape.width.min())
+        return max(tubes, key=lambda tube: (tube.width.min(), -tube.speed))
+    slow = [tube for tube in tubes if tube.speed <= SLOWEST_TOLERANCE * min(t.speed for t in tubes)]
+    return max(slow, key=lambda tube: tube.width.min())
 
 
-def _finished(task: Task, search: Search, shape: Shape) -> RefinedDesign:
-    return with_filter(task, round_design(task, calmest(search.arena, search.start, shape)))
+def _round_and_filter(task: Task, search: TubeSearch, tube: SplineTube) -> RefinedDesign:
+    return with_filter(task, round_design(task, smoothest_tube(search.arena, search.start, tube)))
 
 
 def _longest_period(task: Task, design: RefinedDesign, allowance: Fraction) -> float:
-    """Seconds between samples that are proved for the plant's bounds and the share of starts: at the task's gain, over all gains
-    where that is left open. 0 where there are none. allowance: for the arithmetic, whose error is not derived yet."""
+    """Return the longest sampling period, in seconds, that is proved for the plant bounds and the start share.
+
+    It is at the task's gain, or over all gains where that is left open; 0 where there is none. allowance: for the arithmetic,
+    whose error is not derived yet.
+    """
     edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
-    setting, statements = loop_of(task, design, edge, rate), condition_kinds_of(task)
+    setting, kinds = loop_of(task, design, edge, rate), condition_kinds_of(task)
     if task.control.gain is None or task.has_automatic_gain:
-        best = Gains(setting, natural_gain(setting), kinds=statements).longest
+        best = Gains(setting, natural_gain(setting), kinds=kinds).longest
         return 0.0 if best is None else best[1].seconds
-    period = Gains(setting, setting.law.gain, kinds=statements).at(setting.law.gain)
+    period = Gains(setting, setting.law.gain, kinds=kinds).at(setting.law.gain)
     return 0.0 if period is None else period.seconds
 
 
-def round_design(task: Task, shape: Shape) -> RefinedDesign:
-    """Control points over 6 (here in units of the lattice's size, from its origin), rounded to the lattice, so that the scalar
-    holds them exactly. Floats and doubles share one tube, and one certificate, unless the task is far from the origin or a
-    float needs a larger allowance."""
+def round_design(task: Task, tube: SplineTube) -> RefinedDesign:
+    """Return the design whose table is the tube's control points over 6, rounded to the lattice, so that the scalar holds them.
+
+    The tube's points are in units of the lattice's size, from its origin. Floats and doubles share one tube, and one certificate,
+    unless the task is far from the origin or a float needs a larger allowance.
+    """
     lattice = lattice_of(task)
-    integers = np.rint(np.ldexp(shape.points / 6, lattice.step_bits)).astype(np.int64)
+    integers = np.rint(np.ldexp(tube.points / 6, lattice.step_bits)).astype(np.int64)
     integers += np.array(lattice.offsets, dtype=np.int64)[:, None]
-    if shape.seam is None:
+    if tube.seam is None:
         integers[:, :, -task.order :] = integers[:, :, -3:-2]
     else:
-        integers[:, :, -3:] = integers[:, :, shape.seam : shape.seam + 3]
+        integers[:, :, -3:] = integers[:, :, tube.seam : tube.seam + 3]
     table = tuple(tuple((low, high) for low, high in row) for row in integers.transpose(2, 1, 0).tolist())
-    return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, lattice.bits, table, seam=shape.seam)
+    return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, lattice.bits, table, seam=tube.seam)

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from stt_codegen.compare.comparison import compare
 from stt_codegen.controller.adaptive_frame import adaptive_program
-from stt_codegen.design.paper_tubes.adaptive_search import adaptive
+from stt_codegen.design.paper_tubes.adaptive_search import design_adaptive
 from stt_codegen.designs import grid_tube
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import EmittedController, build
@@ -237,7 +237,7 @@ def test_the_refusal_of_a_literal_tube_says_what_it_does() -> None:
 
 def test_a_thousand_circumvent_functions_add_rows_and_no_code() -> None:
     task = load_task(ROOT / "tasks" / "omni_s1.toml").with_options(design="adaptive")
-    design = adaptive(task)
+    design = design_adaptive(task)
     lines = []
     for count in (2, 1000):
         many = replace(design, bumps=design.bumps[:1] * count)

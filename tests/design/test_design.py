@@ -17,10 +17,11 @@ from benchmarks.suites.families import FAMILIES, arena_task, cubes, feasible
 from stt_codegen.design.arena import Arena, arena_of, starting_box
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.refine import refine
-from stt_codegen.design.routes.cell_path import way_through_cells
-from stt_codegen.design.routes.shortest_route import _search, find_route, shortest_route
+from stt_codegen.design.routes.cell_path import find_cell_path
+from stt_codegen.design.routes.corner_search import centre_problem_of, search_corners
+from stt_codegen.design.routes.shortest_route import find_corner_route, shortest_route
 from stt_codegen.design.routes.sides import _common_changes
-from stt_codegen.design.spline_tubes.widest import ROOM, SLOWEST
+from stt_codegen.design.spline_tubes.widest import ROUTE_DETOUR_LIMIT, SPEED_FACTOR_LIMIT
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task, design_tube
 from stt_codegen.program.analyse.cost import cost_of
@@ -149,15 +150,16 @@ def least_width(arena: Arena) -> Array:
 
 @pytest.mark.parametrize("seed", range(0, 40, 8))
 def test_the_peak_speed_is_near_the_least_possible(seed: int) -> None:
-    """Design promise: at most ROOM times the shortest route over t_c, or SLOWEST times the slowest tube found; no tube is slower
-    than the bound less what its own width gives (the centre may lag by half a width at both ends)."""
+    """Design promise: at most ROUTE_DETOUR_LIMIT times the shortest route over t_c, or SPEED_FACTOR_LIMIT times the slowest
+    tube that is found; no tube is slower than the bound less what its own width gives (the centre may lag by half a width at both
+    ends)."""
     task = arena_task(PAPER, seed)
     arena = arena_of(task)
     least = shortest_route(arena, starting_box(arena), least_width(arena)).length / arena.prescribed_time
     speed = float(max(built(task).certificate.speed))
     slowest = float(max(build_task(task, tube=refine(task.changed(tube={"prefer": "slow"}))).certificate.speed))
     assert least - 0.5 / arena.prescribed_time <= slowest <= speed * (1 + 1e-6)
-    assert speed <= max(ROOM[1] * least, SLOWEST * slowest) * (
+    assert speed <= max(ROUTE_DETOUR_LIMIT[1] * least, SPEED_FACTOR_LIMIT * slowest) * (
         1 + 1e-6
     )  # the grid of the table moves an edge by 2^-23 of the size
 
@@ -380,10 +382,12 @@ def test_looking_among_near_nodes_finds_hardly_a_longer_route_than_among_all() -
         arena = arena_of(arena_task(family, seed))
         start = starting_box(arena)
         near = shortest_route(arena, start, least_width(arena))
-        centre, half = (start[0] + start[1]) / 2, arena.min_width / 2
-        every = _search(arena, centre, arena.clearance + half, half, 10**6)
-        assert every is not None
-        assert every.length - 1e-9 <= near.length <= 1.02 * every.length
+        centre, half = (start[0] + start[1]) / 2, least_width(arena) / 2
+        problem = centre_problem_of(arena, centre, arena.clearance + half, half)
+        assert problem is not None
+        among_all = search_corners(problem, neighbour_limit=10**6)
+        assert among_all is not None
+        assert among_all.length - 1e-9 <= near.length <= 1.02 * among_all.length
 
 
 WINDOW = [
@@ -409,7 +413,7 @@ def window(bottom: float) -> str:
 def test_a_window_in_space_that_no_corner_marks_is_found_and_a_closed_one_refused() -> None:
     task = parse_task(window(3.0))
     arena = arena_of(task)
-    assert find_route(arena, starting_box(arena), least_width(arena)) is None  # the corners alone do not see it
+    assert find_corner_route(arena, starting_box(arena), least_width(arena)) is None  # the corners alone do not see it
     assert built(task).certificate.holds
     with pytest.raises(NotCertified, match="no way leads .*clearance = 0 together with tube.min_width = 0.049"):
         built(parse_task(window(3.65)))
@@ -423,7 +427,7 @@ def test_a_way_through_cells_is_free_and_is_there_exactly_when_flood_fill_says_s
     boxes, reach = cubes(family, seed), 0.1
     lower, upper = boxes[:, :, 0] - reach, boxes[:, :, 1] + reach
     space, goal = np.array([[reach] * 2, [5 - reach] * 2]), np.array([[4.7] * 2, [4.8] * 2])
-    way = way_through_cells(lower, upper, space, goal, np.array([0.25, 0.25]))
+    way = find_cell_path(lower, upper, space, goal, np.array([0.25, 0.25]))
     assert (way is not None) == feasible(family, seed, reach)
     if way is not None:
         for a, b in itertools.pairwise(way):
@@ -493,7 +497,7 @@ def test_a_window_in_six_dimensions_is_passed_in_legs() -> None:
 
     task = parse_task(six(3.0))
     arena = arena_of(task)
-    assert find_route(arena, starting_box(arena), least_width(arena)) is None
+    assert find_corner_route(arena, starting_box(arena), least_width(arena)) is None
     assert built(task).certificate.holds
     with pytest.raises(NotCertified, match="no way was found"):
         built(parse_task(six(3.8)))
@@ -505,10 +509,10 @@ def test_a_way_through_cells_may_lead_back() -> None:
     space, goal = np.array([[0.0, 0.0], [5.0, 5.0]]), np.array([[4.5, 4.5], [4.9, 4.9]])
     start = np.array([0.5, 0.5])
     for ends in (goal, np.array([[4.5, 0.1], [4.9, 0.4]])):
-        way = way_through_cells(lower, upper, space, ends, start)
+        way = find_cell_path(lower, upper, space, ends, start)
         assert way is not None
         assert way[:, 1].max() > 4.0
         assert way[:, 1].argmax() < len(way) - 1 or ends is goal
         assert np.all((ends[0] <= way[-1]) & (way[-1] <= ends[1]))
-    back = way_through_cells(lower, upper, space, np.array([[0.1, 0.1], [0.4, 0.4]]), np.array([4.7, 0.2]))
+    back = find_cell_path(lower, upper, space, np.array([[0.1, 0.1], [0.4, 0.4]]), np.array([4.7, 0.2]))
     assert back is not None

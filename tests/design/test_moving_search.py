@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from stt_codegen.constraints import avoidances
-from stt_codegen.design.arena import arena_of, normalised
+from stt_codegen.design.arena import arena_of, normalise
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.moving_half_spaces import timed_obstacle_of
-from stt_codegen.design.spacetime.free_cells import Cells
-from stt_codegen.design.spacetime.search import CELLS, SLICE, Field
+from stt_codegen.design.spacetime.free_cells import SliceCells
+from stt_codegen.design.spacetime.search import CELL_COUNTS, SLICE_DIMENSIONS, SliceSearch
 from stt_codegen.errors import NotCertified
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
@@ -32,7 +32,7 @@ target_set = {{ lower = [4.2, 2.2], upper = [4.8, 2.8] }}
 {sets}"""
 
 
-def random_field(draw: np.random.Generator, dimensions: int) -> Field:
+def random_field(draw: np.random.Generator, dimensions: int) -> SliceSearch:
     """A few cells and segments, most of them free."""
     shape = tuple(int(v) for v in draw.integers(3, 6, dimensions))
     count = int(draw.integers(2, 5))
@@ -40,11 +40,11 @@ def random_field(draw: np.random.Generator, dimensions: int) -> Field:
     free = draw.uniform(size=(count, *shape)) < 0.7
     first = tuple(int(draw.integers(size)) for size in shape)
     free[0][first] = True
-    cells = Cells(tuple(range(dimensions)), axes, np.zeros((count + 1, dimensions)), np.zeros(dimensions))
-    return Field(cells, free, draw.uniform(size=shape) < 0.2, first)
+    cells = SliceCells(tuple(range(dimensions)), axes, np.zeros((count + 1, dimensions)), np.zeros(dimensions))
+    return SliceSearch(cells, free, draw.uniform(size=shape) < 0.2, first)
 
 
-def plainly(field: Field, quickest: int) -> dict[tuple[int, ...], int]:
+def plainly(field: SliceSearch, quickest: int) -> dict[tuple[int, ...], int]:
     """The least sum of squared steps to every cell at the end, one cell after the other. A step goes from a cell to one that
     touches it, between two free cells, whatever the cells at its sides."""
     shape, best = field.goal.shape, {field.first: 0} if field.free[(0, *field.first)] else {}
@@ -67,14 +67,14 @@ def plainly(field: Field, quickest: int) -> dict[tuple[int, ...], int]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("dimensions", range(1, SLICE + 1))
+@pytest.mark.parametrize("dimensions", range(1, SLICE_DIMENSIONS + 1))
 def test_a_way_is_the_best_of_all_on_its_cells(dimensions: int) -> None:
     draw = np.random.default_rng(dimensions)
     led = 0
     for _ in range(60 if dimensions < 3 else 20):
         field = random_field(draw, dimensions)
         for quickest in (1, 2, field.paces[-1]):
-            wanted, way = plainly(field, quickest), field.way(quickest)
+            wanted, way = plainly(field, quickest), field.find_path(quickest)
             assert (way is None) == (not wanted)
             if way is not None:
                 steps = np.abs(np.diff(way, axis=0)).max(axis=1)
@@ -86,7 +86,7 @@ def test_a_way_is_the_best_of_all_on_its_cells(dimensions: int) -> None:
                     assert free[tuple(cells[k])]
                     assert free[tuple(cells[k + 1])]
                 led += 1
-        assert field.leads() == bool(plainly(field, field.paces[-1]))
+        assert field.has_route() == bool(plainly(field, field.paces[-1]))
     assert led > 20
 
 
@@ -182,12 +182,12 @@ def test_cells_of_a_slice_are_free_where_the_box_about_them_is() -> None:
     """Against every set by itself, in all dimensions."""
     task = in_many(3, "4")
     lattice = lattice_of(task)
-    arena = normalised(arena_of(task, lattice), lattice.exponent)
+    arena = normalise(arena_of(task, lattice), lattice.exponent)
     obstacle = arena.timed_obstacles[0]
-    centre, count = (arena.target[0] + arena.target[1]) / 2, CELLS[3][0]
+    centre, count = (arena.target[0] + arena.target[1]) / 2, CELL_COUNTS[3][0]
     axes = [np.linspace(arena.space[0, i], arena.space[1, i], count) for i in range(2)]
     rest = np.repeat(centre[None], 10, axis=0)
-    cells = Cells((0, 1), axes, rest, np.full(3, 0.01))
+    cells = SliceCells((0, 1), axes, rest, np.full(3, 0.01))
     free = np.ones((9, count, count), dtype=bool)
     cells.block(free, obstacle)
     bounds = obstacle.bounds(9).max(axis=2)

@@ -15,7 +15,8 @@ from typer.testing import CliRunner
 from benchmarks.suites.families import FAMILIES, arena_task
 from stt_codegen.certify import checker
 from stt_codegen.cli.main import app
-from stt_codegen.design.spline_tubes.shape import SPARE, calmest
+from stt_codegen.design.spline_tubes.dimension_programs import PACE_TOLERANCE
+from stt_codegen.design.spline_tubes.slowest_tube import smoothest_tube
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.report.trade import trade_report
@@ -55,7 +56,7 @@ def checked(controller: EmittedController, task: Task, folder: Path) -> int:
 def test_of_the_tubes_that_are_as_slow_the_one_that_bends_least_is_taken(seed: int) -> None:
     task = arena_task(FAMILIES["paper"], seed)
     search, shape = refining._designed(task, refining._arena(task))
-    calm = calmest(search.arena, search.start, shape)
+    calm = smoothest_tube(search.arena, search.start, shape)
 
     def bends(points: np.ndarray) -> float:
         return float(np.abs(np.diff(points, n=2, axis=2)).sum())
@@ -64,7 +65,7 @@ def test_of_the_tubes_that_are_as_slow_the_one_that_bends_least_is_taken(seed: i
         return np.abs(np.diff(points[:, :, 1:], axis=2)).max(axis=(0, 2))
 
     assert bends(calm.points) <= bends(shape.points) + SOLVED
-    assert (pace(calm.points) <= shape.paces + SPARE + 1e-9).all()
+    assert (pace(calm.points) <= shape.paces + PACE_TOLERANCE + 1e-9).all()
     assert (calm.points[1] - calm.points[0] >= shape.width[:, None] - 1e-9).all()
 
 

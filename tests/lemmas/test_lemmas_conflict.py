@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from stt_codegen.design.paper_tubes import conflict_windows as shipped
-from stt_codegen.design.paper_tubes.literal import literal
+from stt_codegen.design.paper_tubes.literal import design_literal
 from stt_codegen.lemmas.lemma import Outcome, Verdict
 from stt_codegen.lemmas.paper import conflict
 from stt_codegen.task.load import load_task
@@ -61,7 +61,7 @@ def test_the_data_are_those_of_the_example_tasks() -> None:
 
 @pytest.mark.parametrize(("start", "unsafe"), [("S1", "O1"), ("S3", "O4")])
 def test_the_literal_design_picks_the_dimension_that_the_lemma_refutes(start: str, unsafe: str) -> None:
-    picked = [b.dimension + 1 for b in literal(TASKS[start]).bumps if b.unsafe == unsafe]
+    picked = [b.dimension + 1 for b in design_literal(TASKS[start]).bumps if b.unsafe == unsafe]
     assert len(picked) == 1
     assert f"x{picked[0]} is picked" in next(p for p in run("shortest").evidence[0].split("; S") if f" with {unsafe}" in p)
 

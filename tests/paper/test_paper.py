@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from stt_codegen import reference
 from stt_codegen.certify.adaptive.falsification import falsify
-from stt_codegen.design.paper_tubes.adaptive_search import adaptive
+from stt_codegen.design.paper_tubes.adaptive_search import design_adaptive
 from stt_codegen.design.paper_tubes.conflict_windows import conflict_in_sigma, time_of_sigma
-from stt_codegen.design.paper_tubes.literal import literal
+from stt_codegen.design.paper_tubes.literal import design_literal
 from stt_codegen.designs import grid_tube, parameters_of
 from stt_codegen.designs.tube import LOWER, UPPER
 from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube
@@ -324,9 +324,9 @@ def test_the_edge_jacobian_is_the_derivative_in_alpha(rho: float, alpha: float, 
 @pytest.mark.parametrize("t_c", ["0.000000001", "0.001", "900000000"])
 def test_literal_windows_are_relative_to_the_prescribed_time(t_c: str) -> None:
     task = task_of("omni_s2")
-    usual = {b.unsafe: b for b in literal(task).bumps}
+    usual = {b.unsafe: b for b in design_literal(task).bumps}
     scale = Fraction(t_c) / 9
-    for b in literal(task.model_copy(update={"prescribed_time": Fraction(t_c)})).bumps:
+    for b in design_literal(task.model_copy(update={"prescribed_time": Fraction(t_c)})).bumps:
         assert abs(b.middle / scale / usual[b.unsafe].middle - 1) < 1e-5
         assert abs(b.radius / scale / usual[b.unsafe].radius - 1) < 1e-5
 
@@ -334,7 +334,7 @@ def test_literal_windows_are_relative_to_the_prescribed_time(t_c: str) -> None:
 @pytest.mark.parametrize("overshoot", [0.05, 0.1, 0.3])
 def test_bumps_are_never_upside_down_whatever_the_overshoot(overshoot: float) -> None:
     text = (ROOT / "tasks" / "omni_s3.toml").read_text() + f"\n[tube.adaptive]\novershoot = {overshoot}\n"
-    assert all(b.steepness > 0 for b in adaptive(parse_task(text)).bumps)
+    assert all(b.steepness > 0 for b in design_adaptive(parse_task(text)).bumps)
 
 
 @given(st.floats(-4, 4), st.floats(0.001, 3), st.floats(1e-6, 0.1), st.floats(0.01, 3), st.floats(1, 50))
@@ -363,7 +363,7 @@ def test_the_implicit_step_solves_its_equation_and_stays_positive(
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("dt", [0.001, 0.02, 0.1])
-@pytest.mark.parametrize("rule", [adaptive, literal])
+@pytest.mark.parametrize("rule", [design_adaptive, design_literal])
 def test_psi_plus_alpha_stays_positive_for_every_step_length(name: str, dt: float, rule) -> None:
     design = rule(task_of(name))
     p = parameters_of(design)
@@ -383,7 +383,7 @@ def test_the_implicit_step_is_of_first_order_against_a_stiff_integrator(name: st
     """Radau at 1e-10; halving the step halves the error (a quarter of tolerance for the next term)."""
     from benchmarks.alpha import stepped_alpha, stiff_alpha
 
-    design = adaptive(task_of(name))
+    design = design_adaptive(task_of(name))
     times, truth = stiff_alpha(design)
     errors = [np.abs(stepped_alpha(design, float(design.prescribed_time) / n, times) - truth).max() for n in (3600, 7200)]
     if not design.bumps:  # alpha hardly wakes: nothing to compare
@@ -426,7 +426,7 @@ def test_the_laws_jacobians_are_its_derivatives(
 def test_the_papers_rule_collides_in_its_own_case_study_whichever_sides_are_drawn(name: str, seed: int) -> None:
     task = task_of(name)
     task = task.model_copy(update={"tube": task.tube.model_copy(update={"seed": seed, "clearance": Fraction(0)})})
-    certificate = falsify(task, literal(task))
+    certificate = falsify(task, design_literal(task))
     assert "P4" in {f.code for f in certificate.failures}
     assert 0.012 < certificate.least_width < 0.075
     assert 90 < max(certificate.speed) < 300
@@ -435,7 +435,7 @@ def test_the_papers_rule_collides_in_its_own_case_study_whichever_sides_are_draw
 @pytest.mark.parametrize(("name", "unsafe", "dimension"), [("omni_s1", "O1", 0), ("omni_s3", "O4", 1)])
 def test_rule_6_picks_the_direction_of_travel(name: str, unsafe: str, dimension: int) -> None:
     """S1 with O1 moves along x1 alone, S3 with O4 along x2 alone: no bump there can keep the tube out of the set."""
-    bump = next(b for b in literal(task_of(name)).bumps if b.unsafe == unsafe)
+    bump = next(b for b in design_literal(task_of(name)).bumps if b.unsafe == unsafe)
     assert bump.dimension == dimension
 
 
@@ -446,7 +446,7 @@ def test_the_literal_dimension_is_that_of_6(seed: int) -> None:
 
     task = arena_task(FAMILIES["paper"], seed)
     start, target = (tuple(zip(b.lower, b.upper, strict=True)) for b in (task.initial_set, task.target_set))
-    chosen = {b.unsafe: b.dimension for b in literal(task).bumps}
+    chosen = {b.unsafe: b.dimension for b in design_literal(task).bumps}
     for unsafe in task.unsafe:
         edges = tuple(zip(unsafe.lower, unsafe.upper, strict=True))
         windows = [conflict_in_sigma(start[i], target[i], edges[i]) for i in range(2)]
@@ -462,18 +462,18 @@ def test_the_literal_dimension_is_that_of_6(seed: int) -> None:
 
 def test_the_literal_target_is_lost_where_it_touches_a_wall() -> None:
     """Row 8 of what breaks: gamma_L(t_c) = 4.485 < 4.5, because the conflict with the wall never ends."""
-    _, _, gamma, _ = grid_tube(literal(task_of("omni_s2")))
+    _, _, gamma, _ = grid_tube(design_literal(task_of("omni_s2")))
     assert abs(gamma[-1, :, 0].min() - 4.485) < 0.001
 
 
 def test_the_sides_are_drawn_by_the_recorded_seed_and_walls_decide() -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    designs = [literal(parse_task(text.replace("min_width = 0.05", f"min_width = 0.05\nseed = {k}"))) for k in range(8)]
+    designs = [design_literal(parse_task(text.replace("min_width = 0.05", f"min_width = 0.05\nseed = {k}"))) for k in range(8)]
     assert [d.seed for d in designs] == list(range(8))
     assert len({d.bumps for d in designs}) > 1
-    assert literal(parse_task(text)).bumps == designs[0].bumps
+    assert design_literal(parse_task(text)).bumps == designs[0].bumps
     wall = parse_task(text.replace("lower = [2.0, 2.5]\nupper = [3.0, 3.5]", "lower = [1.0, 0.0]\nupper = [1.5, 2.0]"))
-    touching = [b for b in literal(wall).bumps if b.unsafe == "O2" and b.dimension == 1]
+    touching = [b for b in design_literal(wall).bumps if b.unsafe == "O2" and b.dimension == 1]
     assert all(b.side == LOWER for b in touching)
 
 
@@ -483,14 +483,14 @@ def test_the_sides_are_drawn_by_the_recorded_seed_and_walls_decide() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_adaptive_design_meets_p1_to_p6_at_samples_of_every_example_task(name: str) -> None:
     task = task_of(name)
-    certificate = falsify(task, adaptive(task))
+    certificate = falsify(task, design_adaptive(task))
     assert not certificate.failures
     assert not certificate.holds  # samples prove nothing
 
 
 def test_adaptive_parameters_are_exact_in_float_and_bumps_end_within_the_prescribed_time() -> None:
     for name in NAMES:
-        d = adaptive(task_of(name))
+        d = design_adaptive(task_of(name))
         values = [v for pair in (*d.start, *d.target, *d.walls) for v in pair] + [d.theta0, d.kappa, d.mu, d.varsigma, d.nu]
         values += [v for b in d.bumps for v in (b.height, b.steepness, b.middle, b.radius)]
         assert all(Fraction(float(np.float32(float(v)))) == v for v in values)
@@ -507,7 +507,7 @@ def test_an_adaptive_arena_is_sound_at_samples_or_refused(seed: int) -> None:
 
     task = arena_task(FAMILIES["paper"], seed)
     try:
-        design = adaptive(task)
+        design = design_adaptive(task)
     except NotCertified:
         assert seed in (11, 23, 25, 29)  # 94 of the first 100 are found
         return
@@ -520,12 +520,12 @@ def test_an_s_bend_between_two_walls_is_passed_by_holding_a_dimension_back() -> 
     walls = [("O1", [1.0, 0.0], [2.0, 2.5]), ("O2", [3.0, 2.0], [3.5, 5.0])]
     sets = "".join(f'[[unsafe]]\nname = "{n}"\nlower = {a}\nupper = {b}\n' for n, a, b in walls)
     task = parse_task(head + sets + tail)
-    design = adaptive(task)
+    design = design_adaptive(task)
     assert len({b.dimension for b in design.bumps}) == 2
     assert not falsify(task, design).failures
 
 
 def test_the_tasks_own_parameters_replace_the_searchs() -> None:
     text = (ROOT / "tasks" / "omni_s3.toml").read_text() + "\n[tube.adaptive]\nkappa = 40.0\nnu = 128.0\n"
-    design = adaptive(parse_task(text))
+    design = design_adaptive(parse_task(text))
     assert (design.kappa, design.nu) == (40, 128)

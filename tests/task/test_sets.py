@@ -16,7 +16,7 @@ from stt_codegen.certify.adaptive.falsification import falsify
 from stt_codegen.certify.exact import certify_refined
 from stt_codegen.constraints import avoidances, separation_constraints
 from stt_codegen.design.arena import arena_of
-from stt_codegen.design.routes.grown_sets import obstacles_of
+from stt_codegen.design.routes.grown_sets import grow_obstacles
 from stt_codegen.errors import NotCertified
 from stt_codegen.loop.simulate import Loop, Scenario
 from stt_codegen.plants import PLANTS
@@ -202,11 +202,11 @@ def test_what_the_route_sees_is_what_there_is(polygon: Polygon, points: Points, 
     reach = Fraction(1, 4)
     table = PolygonTable.model_construct(name="P", axes=None, corners=tuple(polygon.corners))
     space = parse_task(PLAIN).state_space.model_copy(update={"lower": (Fraction(-9),) * 2, "upper": (Fraction(9),) * 2})
-    seen = obstacles_of(arena_of(with_sets(table, state_space=space)), np.full(2, float(reach)))
+    seen = grow_obstacles(arena_of(with_sets(table, state_space=space)), np.full(2, float(reach)))
     grown = polygon.grown((reach, reach))
     given_points = np.array([[float(v) for v in p] for p in points])
     for p, inside, free in zip(
-        points, seen.inside(given_points), seen.visible(np.array([float(v) for v in eye]), given_points), strict=True
+        points, seen.contain(given_points), seen.visible_from(np.array([float(v) for v in eye]), given_points), strict=True
     ):
         depth = min(offset - sum(c * v for c, v in zip(n, p, strict=True)) for n, offset in grown.faces)
         if abs(depth) > 1e-9:

@@ -1,4 +1,7 @@
-"""Where a route may end: a box for the tube's centre in a target that half-spaces cut."""
+"""Where a route may end: a box for the tube's centre in a target that half-spaces cut.
+
+Routes (routes/, spacetime/) end in it, and missions ask it for the regions that are visited.
+"""
 
 from __future__ import annotations
 
@@ -6,17 +9,21 @@ import numpy as np
 
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.design.linear_programs.solver import Rows, least
+from stt_codegen.design.linear_programs.solver import ProgramBounds, Rows, minimise
 
 
 def inner_box(arena: Arena, goal: Array, inset: Array) -> Array | None:
-    """The largest box of the target's proportions, `goal` (2, n), for the centres of boxes of these half widths that lie in all
-    that cuts space and target; None where there is none."""
+    """Return the largest box with the proportions of `goal` in which a tube's centre may be, shape (2, n); None for none.
+
+    goal: (2, n), the target for the centre. inset: (n,), half widths of the tube. A box of these half widths about any point of
+    the result lies in all half-spaces that cut the space and the target. One linear program finds the box's centre and its size
+    as a share of the goal.
+    """
     n, half = arena.dimension, (goal[1] - goal[0]) / 2
     if (half < 0).any():
         return None
-    normal = np.concatenate([arena.walls.normal, arena.goals.normal])
-    low = np.concatenate([arena.walls.bound, arena.goals.bound])
+    normal = np.concatenate([arena.space_cuts.normal, arena.target_cuts.normal])
+    low = np.concatenate([arena.space_cuts.bound, arena.target_cuts.bound])
     rows: list[tuple[list[int], list[float]]] = []
     for row in normal.tolist():
         size = 0.0
@@ -28,10 +35,13 @@ def inner_box(arena: Arena, goal: Array, inset: Array) -> Array | None:
     for i in range(n):
         rows += [([i, n], [1.0, -float(half[i])]), ([i, n], [1.0, float(half[i])])]
     ends = np.array([v for i in range(n) for v in (goal[0, i], goal[1, i])])
-    lower = np.concatenate([low, np.where(np.arange(2 * n) % 2 == 0, ends, -np.inf)])
-    upper = np.concatenate([np.full(len(low), np.inf), np.where(np.arange(2 * n) % 2 == 1, ends, np.inf)])
-    free = np.append(np.full(n, -np.inf), 0.0), np.append(np.full(n, np.inf), 1.0)
-    solution = least(np.append(np.zeros(n), -1.0), *free, Rows.of(rows), lower, upper)
+    bounds = ProgramBounds(
+        lower=np.append(np.full(n, -np.inf), 0.0),
+        upper=np.append(np.full(n, np.inf), 1.0),
+        row_lower=np.concatenate([low, np.where(np.arange(2 * n) % 2 == 0, ends, -np.inf)]),
+        row_upper=np.concatenate([np.full(len(low), np.inf), np.where(np.arange(2 * n) % 2 == 1, ends, np.inf)]),
+    )
+    solution = minimise(np.append(np.zeros(n), -1.0), Rows.of(rows), bounds)
     if solution is None:
         return None
     centre, share = solution[:n], float(solution[n])

@@ -88,8 +88,8 @@ class OrderSearch:
         arena, half_width = waypoints.arena, waypoints.width / 2
         lower, upper = arena.target[0] + half_width - TOLERANCE, arena.target[1] - half_width + TOLERANCE
         possible[END] &= ((waypoints.nodes >= lower) & (waypoints.nodes <= upper)).all(axis=1)
-        if len(arena.goals.bound):
-            possible[END] &= arena.goals.contain_boxes(waypoints.nodes, half_width)
+        if len(arena.target_cuts.bound):
+            possible[END] &= arena.target_cuts.contain_boxes(waypoints.nodes, half_width)
         return possible
 
     @cached_property

@@ -86,9 +86,9 @@ def plan_of_stops(waypoints: Waypoints, skeleton: Skeleton, stops: Sequence[Stop
         ones = np.ones(len(window.legs))
         row = [[*window.legs, legs]]
         if np.isfinite(window.minimum):
-            program.rows(row, np.append(ones, -window.minimum), 0.0, np.inf)
+            program.add_rows(row, np.append(ones, -window.minimum), 0.0, np.inf)
         if np.isfinite(window.maximum):
-            program.rows(row, np.append(ones, -window.maximum), -np.inf, 0.0)
+            program.add_rows(row, np.append(ones, -window.maximum), -np.inf, 0.0)
     solution = program.solve()
     if solution is None:
         return None
@@ -154,9 +154,9 @@ def _even_durations(lengths: Sequence[float], shortest: Sequence[float], windows
     program.upper[legs] = 1 / TOLERANCE  # bounds the program where no leg has a length
     for k, length in enumerate(lengths):
         if length > TOLERANCE:
-            program.rows([[k, legs]], [1.0, -length], 0.0, np.inf)
+            program.add_rows([[k, legs]], [1.0, -length], 0.0, np.inf)
     for window in windows:
-        program.rows([window.legs], np.ones(len(window.legs)), window.minimum, window.maximum)
+        program.add_rows([window.legs], np.ones(len(window.legs)), window.minimum, window.maximum)
     solution = program.solve()
     return None if solution is None else solution[:legs]
 
@@ -173,14 +173,14 @@ def _round_to_knots(times: Array, steps: Array, windows: Sequence[_LegWindow], s
     program.lower[:] = 0.0
     program.upper[:count] = segments
     program.upper[0], program.lower[count - 1] = 0.0, segments
-    program.rows(np.stack([row, row + count, row + 2 * count], axis=1), [1.0, 1.0, -1.0], times, times)
-    program.rows(np.stack([row[1:], row[:-1]], axis=1), [1.0, -1.0], steps, np.inf)
+    program.add_rows(np.stack([row, row + count, row + 2 * count], axis=1), [1.0, 1.0, -1.0], times, times)
+    program.add_rows(np.stack([row[1:], row[:-1]], axis=1), [1.0, -1.0], steps, np.inf)
     for window in windows:
         low = np.ceil(window.minimum * segments - KNOT_TOLERANCE) if np.isfinite(window.minimum) else -np.inf
         high = np.floor(window.maximum * segments + KNOT_TOLERANCE) if np.isfinite(window.maximum) else np.inf
         if low > high:
             return None
-        program.rows([[window.legs[-1] + 1, window.legs[0]]], [1.0, -1.0], low, high)
+        program.add_rows([[window.legs[-1] + 1, window.legs[0]]], [1.0, -1.0], low, high)
     solution = program.solve()
     return None if solution is None else [int(v) for v in np.rint(solution[:count])]
 

@@ -19,7 +19,7 @@ from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.missions.plans import KNOT_TOLERANCE, Plan
 from stt_codegen.design.missions.skeleton import START
 from stt_codegen.design.missions.state_constraints import Mission
-from stt_codegen.design.spacetime import FAR, Cell, Field, fields
+from stt_codegen.design.spacetime import UNREACHABLE, Cell, SliceSearch, slice_searches
 from stt_codegen.task.mission import StateFormula
 
 Flags = npt.NDArray[np.bool_]
@@ -40,7 +40,7 @@ class _Layers:
     allowed_cells: of each layer. event_cells: of each event. windows: the first and last knot of each event.
     """
 
-    field: Field
+    search: SliceSearch
     allowed_cells: list[Flags]
     event_cells: list[Flags]
     windows: list[tuple[int, int]]
@@ -49,34 +49,34 @@ class _Layers:
         """Return the knots of the events and the cell at every knot; None where there is no route of at most `pace` cells."""
         costs = self._costs(pace)
         final = costs[-1][-1]
-        if final.min() >= FAR:
+        if final.min() >= UNREACHABLE:
             return None
         cell: Cell = tuple(int(v) for v in np.unravel_index(int(final.argmin()), final.shape))
         layer, cells, knots = len(self.event_cells) - 1, [cell], [0] * len(self.event_cells)
-        for k in range(len(self.field.free), -1, -1):
+        for k in range(len(self.search.free), -1, -1):
             while self._may_happen(layer, k) and self.event_cells[layer][cell]:
                 if costs[k][layer - 1][cell] != costs[k][layer][cell]:
                     break
                 knots[layer], layer = k, layer - 1
             if k:
                 free = self._free_cells(layer, k - 1)
-                cell = self.field.before(cell, costs[k - 1][layer], int(costs[k][layer][cell]), free, pace)
+                cell = self.search.predecessor(cell, costs[k - 1][layer], int(costs[k][layer][cell]), free, pace)
                 cells.append(cell)
         return knots, cells[::-1]
 
     def _costs(self, pace: int) -> list[list[Costs]]:
-        """Return the smallest cost to each cell by knot and layer; FAR where no route leads."""
-        cost = [np.full(self.field.goal.shape, FAR, dtype=np.int32) for _ in self.event_cells]
-        cost[0][self.field.first] = 0
+        """Return the smallest cost to each cell by knot and layer; UNREACHABLE where no route leads."""
+        cost = [np.full(self.search.goal.shape, UNREACHABLE, dtype=np.int32) for _ in self.event_cells]
+        cost[0][self.search.first] = 0
         costs: list[list[Costs]] = []
-        segments = len(self.field.free)
+        segments = len(self.search.free)
         for k in range(segments + 1):
             for layer in range(1, len(self.event_cells)):
                 if self._may_happen(layer, k):
                     cost[layer] = np.where(self.event_cells[layer], np.minimum(cost[layer], cost[layer - 1]), cost[layer])
             costs.append(cost)
             if k < segments:
-                cost = [self._next_cost(layer, k, c, pace) if c.min() < FAR else c for layer, c in enumerate(cost)]
+                cost = [self._next_cost(layer, k, c, pace) if c.min() < UNREACHABLE else c for layer, c in enumerate(cost)]
         return costs
 
     def _may_happen(self, event: int, k: int) -> bool:
@@ -84,19 +84,19 @@ class _Layers:
         return event > 0 and self.windows[event][0] <= k <= self.windows[event][1]
 
     def _free_cells(self, layer: int, k: int) -> Flags:
-        return np.asarray(self.field.free[k] & self.allowed_cells[layer])
+        return np.asarray(self.search.free[k] & self.allowed_cells[layer])
 
     def _next_cost(self, layer: int, k: int, cost: Costs, pace: int) -> Costs:
-        return self.field.stepped(cost, self._free_cells(layer, k), self.field.after(k), pace)
+        return self.search.next_costs(cost, self._free_cells(layer, k), self.search.free_after(k), pace)
 
 
 class _StateCells:
     """The cells in which the states of a mission hold."""
 
-    def __init__(self, mission: Mission, arena: Arena, field: Field, width: Array) -> None:
+    def __init__(self, mission: Mission, arena: Arena, search: SliceSearch, width: Array) -> None:
         self.mission, self.half_width, self.reach = mission, width / 2, arena.clearance + width / 2
-        self.shape = field.goal.shape
-        self.points = np.stack(np.meshgrid(*field.cells.axes, indexing="ij"), axis=-1).reshape(-1, arena.dimension)
+        self.shape = search.goal.shape
+        self.points = np.stack(np.meshgrid(*search.cells.axes, indexing="ij"), axis=-1).reshape(-1, arena.dimension)
         self.cache: dict[StateFormula, Flags] = {}
 
     def cells_of(self, states: Iterable[StateFormula]) -> Flags:
@@ -118,31 +118,31 @@ def route_with_events(
     width: (n,), of the tube.
     """
     events = [START, *(stop.event for stop in plan.stops)]
-    for field in fields(arena, centre, width, segments, coarsely=True):
-        if len(field.cells.own) < arena.dimension:  # where a state holds would depend on the axes outside of the slice
+    for search in slice_searches(arena, centre, width, segments, is_coarse=True):
+        if len(search.cells.moving) < arena.dimension:  # where a state holds would depend on the axes outside of the slice
             return None
-        layers = _layers_of(plan, events, field, _StateCells(mission, arena, field, width))
-        route = layers.cheapest_route(field.paces[0])
+        layers = _layers_of(plan, events, search, _StateCells(mission, arena, search, width))
+        route = layers.cheapest_route(search.paces[0])
         if route is not None:
             knots, cells = route
             if _is_in_time(plan, events, knots, segments):
-                points = field.cells.points(cells)
+                points = search.cells.path_through(cells)
                 points[0] = centre
                 return EventRoute(knots, points)
     return None
 
 
-def _layers_of(plan: Plan, events: Sequence[int], field: Field, state_cells: _StateCells) -> _Layers:
+def _layers_of(plan: Plan, events: Sequence[int], search: SliceSearch, state_cells: _StateCells) -> _Layers:
     """Return the layers of a plan: where its holds are true, and where and when its events may happen."""
-    zone, holds, segments = plan.skeleton.zone, plan.skeleton.holds, len(field.free)
+    zone, holds, segments = plan.skeleton.zone, plan.skeleton.holds, len(search.free)
     assert zone is not None
     allowed_cells = []
     for layer in range(len(events)):
         done = set(events[: layer + 1])
         allowed_cells.append(state_cells.cells_of(h.state for h in holds if h.first in done and h.last not in done))
     event_cells = [state_cells.cells_of(h.state for h in holds if event in (h.first, h.last)) for event in events]
-    allowed_cells[0][field.first] = event_cells[0][field.first] = True
-    event_cells[-1] = event_cells[-1] & field.goal
+    allowed_cells[0][search.first] = event_cells[0][search.first] = True
+    event_cells[-1] = event_cells[-1] & search.goal
     windows = [
         (
             int(np.ceil(-zone[event, START] * segments - KNOT_TOLERANCE)),
@@ -150,7 +150,7 @@ def _layers_of(plan: Plan, events: Sequence[int], field: Field, state_cells: _St
         )
         for event in events
     ]
-    return _Layers(field, allowed_cells, event_cells, windows)
+    return _Layers(search, allowed_cells, event_cells, windows)
 
 
 def _is_in_time(plan: Plan, events: Sequence[int], knots: Sequence[int], segments: int) -> bool:

@@ -23,7 +23,7 @@ from stt_codegen.design.linear_programs import inner_box
 from stt_codegen.design.missions.expansion import expand_cyclic_formula, expand_formula
 from stt_codegen.design.missions.skeleton import END, START, Skeleton, seam_times
 from stt_codegen.design.moving_half_spaces import INACTIVE, TimedObstacle
-from stt_codegen.design.routes import Obstacles, obstacles_of
+from stt_codegen.design.routes import GrownObstacles, grow_obstacles
 from stt_codegen.errors import NotCertified
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
@@ -67,7 +67,7 @@ class ConvexPiece:
         box = np.stack([self.box[0] + half_widths, self.box[1] - half_widths])
         if (box[0] > box[1]).any():
             return None
-        return inner_box(replace(arena, goals=self.half_spaces), box, half_widths) if len(self.half_spaces.bound) else box
+        return inner_box(replace(arena, target_cuts=self.half_spaces), box, half_widths) if len(self.half_spaces.bound) else box
 
 
 @dataclass(frozen=True)
@@ -101,9 +101,9 @@ class StateConstraint:
             for normal, bound in self.choices
         )
 
-    def grown_obstacles(self, reach: Array) -> Obstacles | None:
+    def grown_obstacles(self, reach: Array) -> GrownObstacles | None:
         """Return the sets of the complement, grown by `reach` (n,) for the centre of a tube; None without a complement."""
-        return None if self.complement is None else obstacles_of(self.complement, reach)
+        return None if self.complement is None else grow_obstacles(self.complement, reach)
 
     def holds_about(self, centres: Array, half_widths: Array, reach: Array) -> npt.NDArray[np.bool_]:
         """Return about which centres (P, n) the state holds for the box of these half widths (n,): (P,).
@@ -112,7 +112,7 @@ class StateConstraint:
         """
         obstacles = self.grown_obstacles(reach)
         if obstacles is not None:  # the complement also allows boxes that lie across two pieces of a union
-            return np.asarray(~obstacles.inside(centres))
+            return np.asarray(~obstacles.contain(centres))
         return np.asarray(np.any([piece.contains_boxes(centres, half_widths) for piece in self.pieces], axis=0))
 
 

@@ -15,7 +15,7 @@ from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.missions.skeleton import TOLERANCE
 from stt_codegen.design.missions.state_constraints import LABEL_LIMIT, Mission
-from stt_codegen.design.routes import STRAIGHT, Obstacles, obstacles_of, route_nodes
+from stt_codegen.design.routes import COMPONENT_SUM_WEIGHT, GrownObstacles, grow_obstacles, route_nodes
 from stt_codegen.task.mission import StateFormula
 
 PAIR_LIMIT = 576  # up to so many pairs of regions their nearest points are waypoints too
@@ -58,7 +58,7 @@ class Waypoints:
         """
         half_width, centre = self.width / 2, (self.start[0] + self.start[1]) / 2
         space, target = (np.stack([box[0] + half_width, box[1] - half_width]) for box in (self.arena.space, self.arena.target))
-        obstacles = obstacles_of(self.arena, self.reach)
+        obstacles = grow_obstacles(self.arena, self.reach)
         points = np.concatenate([route_nodes(obstacles, space, target, centre), *self._region_points(space, target, centre)])
         is_free = self._free(points, space, obstacles)
         if not is_free[0]:
@@ -83,12 +83,12 @@ class Waypoints:
                 points += [np.clip(middle, box[0], box[1])[None] for box in state_boxes for middle in middles]
         return points
 
-    def _free(self, points: Array, space: Array, obstacles: Obstacles) -> Flags:
+    def _free(self, points: Array, space: Array, obstacles: GrownObstacles) -> Flags:
         """Return which points (P, n) are in the space, clear of the obstacles and in all permanent states: (P,)."""
-        is_clear = ~obstacles.inside(points)
+        is_clear = ~obstacles.contain(points)
         is_free = is_clear & ((points >= space[0] - TOLERANCE) & (points <= space[1] + TOLERANCE)).all(axis=1)
-        if len(self.arena.walls.bound):
-            is_free &= self.arena.walls.contain_boxes(points, self.width / 2)
+        if len(self.arena.space_cuts.bound):
+            is_free &= self.arena.space_cuts.contain_boxes(points, self.width / 2)
         is_free[0] |= is_clear[0]  # gamma(0) is in the space, though a box of this width about its centre may not be
         for state in self.mission.permanent_states:
             constraint = self.mission.states[state]
@@ -96,7 +96,7 @@ class Waypoints:
             if excluded is None:
                 is_free &= constraint.holds_about(points, self.width / 2, self.reach)
             else:
-                is_free &= ~excluded.inside(points)
+                is_free &= ~excluded.contain(points)
         return np.asarray(is_free)
 
     @cached_property
@@ -108,7 +108,7 @@ class Waypoints:
             total = steps[:, 0].copy()
             for i in range(1, steps.shape[1]):
                 total += steps[:, i]
-            distances[k] = self.arena.distance(steps) + STRAIGHT * total
+            distances[k] = self.arena.distance(steps) + COMPONENT_SUM_WEIGHT * total
         return distances
 
     @cached_property
@@ -118,11 +118,11 @@ class Waypoints:
 
     def _visibility_in(self, arena: Arena) -> Flags:
         """Return between which nodes the straight line meets none of an arena's unsafe sets, made a little smaller: (N, N)."""
-        obstacles = obstacles_of(arena, self.reach - EDGE_ALLOWANCE)
+        obstacles = grow_obstacles(arena, self.reach - EDGE_ALLOWANCE)
         is_visible = np.ones((len(self.nodes),) * 2, dtype=bool)
         if len(arena.names):
             for k, node in enumerate(self.nodes[:-1]):
-                is_visible[k, k + 1 :] = obstacles.visible(node, self.nodes[k + 1 :])
+                is_visible[k, k + 1 :] = obstacles.visible_from(node, self.nodes[k + 1 :])
         upper = np.triu(is_visible)
         return np.asarray(upper | upper.T)
 
@@ -144,7 +144,7 @@ class Waypoints:
     def passable_nodes(self, state: StateFormula) -> Flags:
         """Return at which nodes the tube may be while a state holds, also across two boxes of a union: (N,)."""
         obstacles = self.mission.states[state].grown_obstacles(self.reach - EDGE_ALLOWANCE)
-        return self.nodes_in_state[state] if obstacles is None else ~obstacles.inside(self.nodes)
+        return self.nodes_in_state[state] if obstacles is None else ~obstacles.contain(self.nodes)
 
     def _graph(self, states: int) -> Array:
         """Return the lengths of the straight lines along which these states hold, 0 where there is none: (N, N)."""
@@ -177,7 +177,7 @@ class Waypoints:
             from scipy.sparse.csgraph import dijkstra
 
             lengths = dijkstra(self._graph(0), indices=np.nonzero(goals)[0], min_only=True)
-            self._distance_bounds[key] = np.asarray(lengths / (1 + STRAIGHT * self.arena.dimension))
+            self._distance_bounds[key] = np.asarray(lengths / (1 + COMPONENT_SUM_WEIGHT * self.arena.dimension))
         return self._distance_bounds[key]
 
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 import random
 from fractions import Fraction
+from typing import NamedTuple
 
 from stt_codegen.design.paper_tubes.conflict_windows import conflict_in_sigma, time_of_sigma
-from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign, Bump
+from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign, Bump, Edge
 from stt_codegen.task import Task
 
 # The case study's numbers (section V); nu, varsigma are not in the paper. k is printed without its index j.
@@ -20,8 +21,8 @@ THETA0, KAPPA, MU, VARSIGMA, NU = Fraction("0.01"), Fraction(5), Fraction(1), Fr
 BITS = 20  # significant bits of times
 
 
-def literal(task: Task) -> AdaptiveDesign:
-    """The tube that (2)-(11) give as printed: X0hat = X0, That = T, sides drawn with the task's seed."""
+def design_literal(task: Task) -> AdaptiveDesign:
+    """Return the tube that (2)-(11) give as printed: X0hat = X0, That = T, sides drawn with the task's seed."""
     options = task.tube.adaptive
     space = task.free_space
     t_c = task.prescribed_time
@@ -33,26 +34,22 @@ def literal(task: Task) -> AdaptiveDesign:
     bumps = []
     for unsafe in task.obstacles:
         sides = tuple(unsafe.span(i) for i in range(task.dimension))
-        windows = [conflict_in_sigma(start[i], target[i], sides[i]) for i in range(task.dimension)]
-        upward = draw.random() < 0.5  # drawn for every set, so that one set does not shift the luck of the next
-        times = [(time_of_sigma(w[0], t_c), time_of_sigma(w[1], t_c)) for w in windows if w is not None]
-        if len(times) < task.dimension:
+        is_upward = draw.random() < 0.5  # drawn for every set, so that one set does not shift the draws of the next
+        conflict = _conflict_of(start, target, sides, t_c)
+        if conflict is None:
             continue
-        opens, closes = max(a for a, _ in times), min(b for _, b in times)
-        if opens >= closes:
-            continue
-        last, first = [a for a, _ in times].index(opens), [b for _, b in times].index(closes)
-        i = min((last, first), key=lambda k: times[k][1] - times[k][0])
+        i = conflict.dimension
         (low, high), (floor, ceiling) = sides[i], walls[i]
         if low <= floor:
-            upward = True
+            is_upward = True
         elif high >= ceiling:
-            upward = False
-        height = high - floor + overshoot if upward else ceiling - low + overshoot
+            is_upward = False
+        height = high - floor + overshoot if is_upward else ceiling - low + overshoot
         bumps.append(
             Bump(
-                dimension=i, side=LOWER if upward else UPPER, height=height, steepness=options.bump_steepness or STEEPNESS,
-                middle=_short((opens + closes) / 2), radius=_short((closes - opens) / 2), unsafe=unsafe.name,
+                dimension=i, side=LOWER if is_upward else UPPER, height=height, steepness=options.bump_steepness or STEEPNESS,
+                middle=_round_time((conflict.opens + conflict.closes) / 2), radius=_round_time((conflict.closes - conflict.opens)
+                / 2), unsafe=unsafe.name,
             )
         )  # fmt: skip
     return AdaptiveDesign(
@@ -62,7 +59,28 @@ def literal(task: Task) -> AdaptiveDesign:
     )  # fmt: skip
 
 
-def _short(seconds: float) -> Fraction:
-    """A time to BITS significant bits, exact in float."""
+class _Conflict(NamedTuple):
+    """The conflict of the reachability tube with a set: the dimension that (6) chooses, and when all dimensions overlap, in s."""
+
+    dimension: int
+    opens: float
+    closes: float
+
+
+def _conflict_of(start: tuple[Edge, ...], target: tuple[Edge, ...], sides: tuple[Edge, ...], t_c: Fraction) -> _Conflict | None:
+    """Return the conflict with a set that has these sides; None where some dimension never overlaps, or not at once."""
+    windows = [conflict_in_sigma(*edges) for edges in zip(start, target, sides, strict=True)]
+    times = [(time_of_sigma(w[0], t_c), time_of_sigma(w[1], t_c)) for w in windows if w is not None]
+    if len(times) < len(sides):
+        return None
+    opens, closes = max(a for a, _ in times), min(b for _, b in times)
+    if opens >= closes:
+        return None
+    last, first = [a for a, _ in times].index(opens), [b for _, b in times].index(closes)
+    return _Conflict(min((last, first), key=lambda k: times[k][1] - times[k][0]), opens, closes)
+
+
+def _round_time(seconds: float) -> Fraction:
+    """Return a time to BITS significant bits, exact in float."""
     mantissa, exponent = math.frexp(seconds)
     return Fraction(round(mantissa * 2**BITS)) * Fraction(2) ** (exponent - BITS)

@@ -18,7 +18,7 @@ from stt_codegen.design.mission_search import search_of
 from stt_codegen.design.refusals.closed_routes import explain_closed_routes
 from stt_codegen.design.refusals.unmet_missions import HasTube, explain_conflict, explain_unmet_mission, sufficient_times
 from stt_codegen.design.routes import shortest_route
-from stt_codegen.design.spline_tubes import ROUNDED, SEGMENTS, Shape, segments_for, segments_tried
+from stt_codegen.design.spline_tubes import ROUNDING_SHARE, SEGMENT_COUNTS, SplineTube, segment_counts_for, segment_counts_of
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
@@ -42,11 +42,11 @@ def explain_refusal(task: Task, arena: Arena, has_tube: HasTube) -> str:
         resting = replace(arena, timed_obstacles=())
         # the sets that do not move may close every route by themselves: this raises then
         shortest_route(resting, starting_box(arena), np.full(arena.dimension, arena.min_width))
-        return explain_closed_routes(task, arena, segments_tried(task, arena)[0])
+        return explain_closed_routes(task, arena, segment_counts_of(task, arena)[0])
     unlimited = replace(arena, max_speed=np.inf, max_speeds=np.full(arena.dimension, np.inf), max_acceleration=None)
-    ladder = segments_tried(task, arena)
-    count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {ladder[-1]} segments"
-    remedy = _tube_options_that_do(task, unlimited, ladder)
+    segment_counts = segment_counts_of(task, arena)
+    count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {segment_counts[-1]} segments"
+    remedy = _tube_options_that_do(task, unlimited, segment_counts)
     return f"{Property.AVOID.label}: no spline tube of {count} was found along the shortest route; {remedy}"
 
 
@@ -68,11 +68,11 @@ def _with_values(task: Task, values: Mapping[str, OptionValue | None]) -> Task:
 
 def _excess_of_speed(task: Task, arena: Arena) -> float:
     """Return how many times its bounds on speed the slowest tube takes, as a first guess for a factor."""
-    search = search_of(replace(arena, max_speed=np.inf), starting_box(arena), segments_tried(task, arena))
-    shape = search.slowest()
-    if shape is None or not (np.isfinite(arena.max_speeds) & (arena.max_speeds > 0)).all():
+    search = search_of(replace(arena, max_speed=np.inf), starting_box(arena), segment_counts_of(task, arena))
+    tube = search.find_slowest()
+    if tube is None or not (np.isfinite(arena.max_speeds) & (arena.max_speeds > 0)).all():
         return 1.0
-    speeds = (shape.paces + ROUNDED * arena.difference_allowance) * shape.segments
+    speeds = (tube.paces + ROUNDING_SHARE * arena.difference_allowance) * tube.segments
     return float((speeds / arena.max_speeds).max())
 
 
@@ -147,26 +147,26 @@ def _shown(value: OptionValue) -> str:
     return f"[{', '.join(f'{float(v):g}' for v in value)}]" if isinstance(value, tuple) else f"{float(value):g}"
 
 
-def _tube_options_that_do(task: Task, arena: Arena, ladder: tuple[int, ...]) -> str:
+def _tube_options_that_do(task: Task, arena: Arena, segment_counts: tuple[int, ...]) -> str:
     """Return which options of [tube], changed one at a time, would let a tube be found, and how far each must go."""
 
-    def slowest(clearance: float, min_width: float, ladder: tuple[int, ...]) -> Shape | None:
+    def slowest(clearance: float, min_width: float, segment_counts: tuple[int, ...]) -> SplineTube | None:
         trial = replace(arena, clearance=clearance, min_width=min_width)
         with suppress(NotCertified):
-            return search_of(trial, starting_box(trial), ladder).slowest()
+            return search_of(trial, starting_box(trial), segment_counts).slowest()
         return None
 
     options = []
     if task.tube.segments:
-        counts = (*range(task.tube.segments + 1, SEGMENTS[0]), *segments_for(len(arena.names)))
-        shape = slowest(arena.clearance, arena.min_width, tuple(k for k in counts if k > task.tube.segments))
-        if shape is not None:
-            options.append(f"tube.segments = {shape.points.shape[2] - 3} (or leave it out)")
+        counts = (*range(task.tube.segments + 1, SEGMENT_COUNTS[0]), *segment_counts_for(len(arena.names)))
+        tube = slowest(arena.clearance, arena.min_width, tuple(k for k in counts if k > task.tube.segments))
+        if tube is not None:
+            options.append(f"tube.segments = {tube.points.shape[2] - 3} (or leave it out)")
     zero = arena.allowance  # the arena's value for a clearance of 0; a width has an allowance at both edges
-    clearance = _largest(lambda c: slowest(c, arena.min_width, ladder) is not None, zero, arena.clearance)
+    clearance = _largest(lambda c: slowest(c, arena.min_width, segment_counts) is not None, zero, arena.clearance)
     if clearance is not None:
         options.append(f"tube.clearance = {below(Fraction((clearance - zero) * arena.length_unit), 3):g}")
-    width = _largest(lambda w: slowest(arena.clearance, w, ladder) is not None, 2 * zero, arena.min_width)
+    width = _largest(lambda w: slowest(arena.clearance, w, segment_counts) is not None, 2 * zero, arena.min_width)
     if width is not None:
         options.append(f"tube.min_width = {below(Fraction((width - 2 * zero) * arena.length_unit), 3):g}")
     if not options:

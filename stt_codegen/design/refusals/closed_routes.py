@@ -18,18 +18,18 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.decimals import below, decimal
-from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
+from stt_codegen.design.arena import Arena, arena_of, normalise, starting_box
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.moving_half_spaces import TimedObstacle
-from stt_codegen.design.spacetime import Field, fields, leads
+from stt_codegen.design.spacetime import SliceSearch, has_timed_route, slice_searches
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
 HALVINGS = 8  # to find the value of an option: cells are a hundredth of the space
 OBSTACLE_LIMIT = 40  # so many sets are examined whether they close all routes,
-FIELD_LIMIT = 6  # each on so many of the fields that are searched: all of them in up to three dimensions
+SEARCH_LIMIT = 6  # each on so many of the fields that are searched: all of them in up to three dimensions
 LONGER_TIMES = (Fraction(5, 4), Fraction(3, 2), Fraction(2), Fraction(3))  # times prescribed_time
 FINER_STEPS = (Fraction(1, 8), Fraction(1, 4), Fraction(1, 2))  # from one of the longer times to the next
 REDUCED_PARTS = tuple(Fraction(part, 8) for part in range(7, -1, -1))  # of an uncertainty or a growth
@@ -41,13 +41,13 @@ def explain_closed_routes(task: Task, arena: Arena, segments: int) -> str:
 
     def has_route(trial: Arena) -> bool:
         with suppress(NotCertified):
-            return leads(trial, *_narrowest_start(trial), segments)
+            return has_timed_route(trial, *_narrowest_start(trial), segments)
         return False
 
     reason = f"{Property.AVOID.label}: no way was found from the initial set to the target set among the unsafe sets as they move"
     if has_route(arena):
         return f"{reason}: cells have a way, but no spline tube was found along it; lower tube.min_width or tube.clearance"
-    searched = list(itertools.islice(fields(arena, *_narrowest_start(arena), segments), FIELD_LIMIT))
+    searched = list(itertools.islice(slice_searches(arena, *_narrowest_start(arena), segments), SEARCH_LIMIT))
     obstacles = arena.timed_obstacles[:OBSTACLE_LIMIT]
     closing = [text for obstacle in obstacles if (text := _describe_closing(arena, obstacle, searched))]
     if closing:
@@ -130,48 +130,48 @@ def _has_route_with(task: Task, change: Mapping[str, object], has_route: HasRout
     with suppress(BadInput, NotCertified):
         trial = task.changed(**change)
         lattice = lattice_of(trial)
-        return has_route(normalised(arena_of(trial, lattice), lattice.exponent))
+        return has_route(normalise(arena_of(trial, lattice), lattice.exponent))
     return False
 
 
-def _describe_closing(arena: Arena, obstacle: TimedObstacle, searched: Sequence[Field]) -> str | None:
+def _describe_closing(arena: Arena, obstacle: TimedObstacle, searched: Sequence[SliceSearch]) -> str | None:
     """Return the name of a set without which there would be a route, and when it closes the route; None for another set."""
-    for field in searched:
-        free_of_obstacle = np.ones_like(field.free)
-        field.cells.block(free_of_obstacle, obstacle)
+    for search in searched:
+        free_of_obstacle = np.ones_like(search.free)
+        search.cells.block(free_of_obstacle, obstacle)
         if free_of_obstacle.all():
             continue
-        free_of_rest = field.cells.free(arena)
+        free_of_rest = search.cells.free_cells(arena)
         for other_obstacle in arena.timed_obstacles:
             if other_obstacle is not obstacle:
-                field.cells.block(free_of_rest, other_obstacle)
-        free_of_rest[0][field.first] = True
-        if replace(field, free=free_of_rest).leads():
-            times = (f"{k / len(field.free) * arena.time_unit:.3g} s" for k in _closing_segments(field, free_of_rest))
+                search.cells.block(free_of_rest, other_obstacle)
+        free_of_rest[0][search.first] = True
+        if replace(search, free=free_of_rest).has_route():
+            times = (f"{k / len(search.free) * arena.time_unit:.3g} s" for k in _closing_segments(search, free_of_rest))
             return f"{obstacle.name} (a way would open if it were safe from {' to '.join(times)})"
     return None
 
 
-def _closing_segments(field: Field, free_of_rest: npt.NDArray[np.bool_]) -> tuple[int, int]:
+def _closing_segments(search: SliceSearch, free_of_rest: npt.NDArray[np.bool_]) -> tuple[int, int]:
     """Return from which to which segment a set must be safe at least, so that a route leads. free_of_rest: without the set."""
-    count = len(field.free)
+    count = len(search.free)
 
     def leads_where_safe(begin: int, end: int) -> bool:
-        free = np.concatenate([field.free[:begin], free_of_rest[begin:end], field.free[end:]])
-        return replace(field, free=free).leads()
+        free = np.concatenate([search.free[:begin], free_of_rest[begin:end], search.free[end:]])
+        return replace(search, free=free).has_route()
 
     begin = bisect_left(range(count), True, key=lambda k: not leads_where_safe(k, count)) - 1
     end = bisect_left(range(begin + 1, count), True, key=lambda k: leads_where_safe(begin, k)) + begin + 1
     return begin, end
 
 
-def _describe_last_free_time(arena: Arena, searched: Sequence[Field]) -> str:
+def _describe_last_free_time(arena: Arena, searched: Sequence[SliceSearch]) -> str:
     """Return until when a free cell can be reached, for routes that no set closes alone."""
     last = 0.0
-    for field in searched:
-        is_open = [bool(cells.any()) for cells in field.reached()]
+    for search in searched:
+        is_open = [bool(cells.any()) for cells in search.reachable_cells()]
         ends = [k for k, (now, later) in enumerate(pairwise([*is_open, False])) if now and not later]
-        last = max([last, *(k / len(field.free) for k in ends)])
+        last = max([last, *(k / len(search.free) for k in ends)])
     if last < 1:
         return f"the search reached no free place after {last * arena.time_unit:.3g} s"
     return "no moving set alone closes it"

@@ -16,7 +16,7 @@ from stt_codegen.decimals import above, below, decimal
 from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.mission_search import MissionSearch, search_of
 from stt_codegen.design.missions import Mission, Waypoints, describe_conflict, mission_of
-from stt_codegen.design.spline_tubes import Search, segments_tried
+from stt_codegen.design.spline_tubes import TubeSearch, segment_counts_of
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 from stt_codegen.task.mission import MissionEntry, StateFormula, regions_of
@@ -30,7 +30,7 @@ def explain_unmet_mission(task: Task, arena: Arena, has_tube: HasTube) -> str:
     """Return in one sentence why no tube carries out the mission, and what would do."""
     mission = mission_of(task, arena)
     assert mission is not None
-    search = search_of(arena, starting_box(arena), segments_tried(task, arena), mission)
+    search = search_of(arena, starting_box(arena), segment_counts_of(task, arena), mission)
     width = f"a tube of width {decimal(task.tube.min_width)}"
     state = _unreachable_state(search, mission)
     if state is not None:
@@ -53,7 +53,7 @@ def explain_unmet_mission(task: Task, arena: Arena, has_tube: HasTube) -> str:
     return f"{refusal}{tried}; widen regions or windows, or lower tube.min_width or tube.clearance"
 
 
-def _unreachable_state(search: Search, mission: Mission) -> StateFormula | None:
+def _unreachable_state(search: TubeSearch, mission: Mission) -> StateFormula | None:
     """Return a state that every skeleton needs, that is in a region, and that holds at no waypoint; None where there is none."""
     anytime = Mission((), mission.states)  # without skeletons, so that no permanent state excludes waypoints
     waypoints = Waypoints(arena=search.arena, mission=anytime, start=search.start, width=search.width(0.0))
@@ -65,7 +65,7 @@ def _unreachable_state(search: Search, mission: Mission) -> StateFormula | None:
     return None
 
 
-def _conflict(arena: Arena, mission: Mission, search: Search) -> str:
+def _conflict(arena: Arena, mission: Mission, search: TubeSearch) -> str:
     """Return which bounds on times are in conflict, as a part of a sentence; empty where no such conflict is found."""
     waypoints = Waypoints(arena=arena, mission=mission, start=search.start, width=search.width(0.0))
     conflict = describe_conflict(arena, waypoints, mission) if len(waypoints.nodes) else None
@@ -77,7 +77,7 @@ def explain_conflict(task: Task, arena: Arena) -> str:
     mission = mission_of(task, arena)
     if mission is None or not np.isfinite(arena.max_speed):
         return ""
-    return _conflict(arena, mission, search_of(arena, starting_box(arena), segments_tried(task, arena), mission))
+    return _conflict(arena, mission, search_of(arena, starting_box(arena), segment_counts_of(task, arena), mission))
 
 
 def _has_tube_without(task: Task, k: int, has_tube: HasTube) -> bool:

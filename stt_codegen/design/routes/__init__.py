@@ -1,30 +1,29 @@
 """Routes of the tube's centre among unsafe sets that are grown by half a tube, and the side of each set that is passed."""
 
-from stt_codegen.design.routes.grown_sets import Obstacles, obstacles_of
-from stt_codegen.design.routes.shortest_route import STRAIGHT, Route, route_nodes, shortest_route, wide_route
-from stt_codegen.design.routes.sides import (
-    Limits,
-    Stay,
-    choose_sides,
-    limits_along,
-    limits_by_stretch,
-    limits_in_time,
-    limits_of_tube,
+from stt_codegen.design.routes.corner_search import COMPONENT_SUM_WEIGHT, Route, route_nodes
+from stt_codegen.design.routes.grown_sets import GrownObstacles, grow_obstacles
+from stt_codegen.design.routes.segment_bounds import (
+    SegmentBounds,
+    bounds_along_route,
+    bounds_along_timed_route,
+    bounds_around_tube,
 )
+from stt_codegen.design.routes.shortest_route import find_route, shortest_route
+from stt_codegen.design.routes.sides import Sides, bounds_by_stretch, choose_sides
 
 __all__ = [
-    "STRAIGHT",
-    "Limits",
-    "Obstacles",
+    "COMPONENT_SUM_WEIGHT",
+    "GrownObstacles",
     "Route",
-    "Stay",
+    "SegmentBounds",
+    "Sides",
+    "bounds_along_route",
+    "bounds_along_timed_route",
+    "bounds_around_tube",
+    "bounds_by_stretch",
     "choose_sides",
-    "limits_along",
-    "limits_by_stretch",
-    "limits_in_time",
-    "limits_of_tube",
-    "obstacles_of",
+    "find_route",
+    "grow_obstacles",
     "route_nodes",
     "shortest_route",
-    "wide_route",
 ]

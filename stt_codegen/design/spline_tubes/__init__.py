@@ -1,18 +1,27 @@
 """The spline tube along a route: its width, the time of its stretches, its linear programs."""
 
-from stt_codegen.design.spline_tubes.shape import Shape, calmest, slowest_shape
-from stt_codegen.design.spline_tubes.widest import PLENTY, QUICK, ROOM, ROUNDED, SEGMENTS, Search, segments_for, segments_tried
+from stt_codegen.design.spline_tubes.slowest_tube import SplineTube, slowest_tube, smoothest_tube
+from stt_codegen.design.spline_tubes.widest import (
+    MANY_OBSTACLES,
+    ROUNDING_SHARE,
+    ROUTE_DETOUR_LIMIT,
+    SEGMENT_COUNTS,
+    SEGMENT_TRIALS,
+    TubeSearch,
+    segment_counts_for,
+    segment_counts_of,
+)
 
 __all__ = [
-    "PLENTY",
-    "QUICK",
-    "ROOM",
-    "ROUNDED",
-    "SEGMENTS",
-    "Search",
-    "Shape",
-    "calmest",
-    "segments_for",
-    "segments_tried",
-    "slowest_shape",
+    "MANY_OBSTACLES",
+    "ROUNDING_SHARE",
+    "ROUTE_DETOUR_LIMIT",
+    "SEGMENT_COUNTS",
+    "SEGMENT_TRIALS",
+    "SplineTube",
+    "TubeSearch",
+    "segment_counts_for",
+    "segment_counts_of",
+    "slowest_tube",
+    "smoothest_tube",
 ]
