@@ -53,18 +53,7 @@ MOST_RETURNED = 3  # values of a tuple
 PENDING = """
     stt_codegen/certify
     stt_codegen/compare
-    stt_codegen/constraints.py
     stt_codegen/controller
-    stt_codegen/design_kinds.py
-    stt_codegen/design/arena.py
-    stt_codegen/design/linear_programs
-    stt_codegen/design/paper_tubes
-    stt_codegen/design/routes
-    stt_codegen/design/spacetime
-    stt_codegen/design/spline_tubes
-    stt_codegen/design/__init__.py
-    stt_codegen/design/refine.py
-    stt_codegen/designs
     stt_codegen/emit
     stt_codegen/lemmas/emitted
     stt_codegen/lemmas/paper/conflict.py

@@ -111,7 +111,7 @@ def row_template_of(
     if has_steps:
         blocks += _step_blocks(layout)
     if has_bends:
-        blocks += _bend_blocks(layout)
+        blocks += _second_difference_blocks(layout)
     rows: list[Row] = []
     row_slices: dict[str, slice] = {}
     for name, block in blocks:
@@ -190,7 +190,7 @@ def _step_blocks(layout: _Layout) -> Blocks:
     return [("step", lower_rows), ("step, wider", [layout.upper_row(*terms) for terms in _differences(layout.widened_count)])]
 
 
-def _bend_blocks(layout: _Layout) -> Blocks:
+def _second_difference_blocks(layout: _Layout) -> Blocks:
     """Return the rows of the second differences of control points, between which the second derivative is linear."""
     first_column = layout.point_columns + layout.widened_count
     blocks: Blocks = []

@@ -65,14 +65,14 @@ def find_grid_path(obstacles: GrownObstacles, space: Array, goal: Array, start: 
 def _block_polytope(free: Flags, edges: list[Array], normals: Array, offsets: Array) -> None:
     """Take from `free` the cells that no half-space of a set shows to be apart from it; its first 2n normals are -+e_i."""
     n = len(edges)
-    near = tuple(
+    near_cells = tuple(
         slice(max(int(np.searchsorted(axis, -offsets[i])) - 1, 0), int(np.searchsorted(axis, offsets[n + i])))
         for i, axis in enumerate(edges)
     )
-    meets = np.ones(free[near].shape, dtype=bool)
+    meets = np.ones(free[near_cells].shape, dtype=bool)
     for normal, offset in zip(normals[2 * n :], offsets[2 * n :], strict=True):
-        meets &= _lowest_values(normal, edges, near) < offset
-    free[near] &= ~meets
+        meets &= _lowest_values(normal, edges, near_cells) < offset
+    free[near_cells] &= ~meets
 
 
 def _lowest_values(normal: Array, edges: list[Array], part: tuple[slice, ...]) -> Array:

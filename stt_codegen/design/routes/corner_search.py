@@ -110,7 +110,7 @@ def search_corners(problem: CentreProblem, *, longest: float = np.inf, neighbour
             cost[w] = candidate[w]
             parent[w] = v
             heapq.heappush(queue, (float(candidate[w] + remaining[w]), int(w)))
-    return None if last < 0 else _route_back_from(problem, nodes, parent, last, ends[last])
+    return None if last < 0 else _route_to(problem, nodes, parent, last, ends[last])
 
 
 def _free_nodes(problem: CentreProblem) -> Array | None:
@@ -126,7 +126,7 @@ def _free_nodes(problem: CentreProblem) -> Array | None:
     return np.asarray(nodes)
 
 
-def _route_back_from(problem: CentreProblem, nodes: Array, parent: list[int], last: int, end: Array) -> Route:
+def _route_to(problem: CentreProblem, nodes: Array, parent: list[int], last: int, end: Array) -> Route:
     """Return the route over the parents of node `last`, and from there to `end`."""
     points = [end]
     v = last

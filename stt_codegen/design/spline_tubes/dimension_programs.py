@@ -142,6 +142,7 @@ def solve_group(
 
 
 def _template_of(problem: TubeProblem, has_bend_slack: bool) -> RowTemplate:
+    """Return the rows that the plant's order and the bounds on speed and acceleration ask for."""
     arena = problem.arena
     return row_template_of(
         segments=problem.segments,
@@ -245,8 +246,8 @@ def _member_row_bounds(problem: TubeProblem, template: RowTemplate, i: int) -> t
     bound(("rest, wider",), 0.0, np.inf)
     step = float(arena.max_speeds[i]) / problem.segments - arena.difference_allowance
     bound(("step", "step, wider"), -step, step)
-    bend = 0.0 if template.has_bend_slack else problem.second_difference_limit(i)
-    bound(("bend", "bend, wider"), -bend, bend)
+    second_difference = 0.0 if template.has_bend_slack else problem.second_difference_limit(i)
+    bound(("bend", "bend, wider"), -second_difference, second_difference)
     return lower, upper
 
 

@@ -32,7 +32,7 @@ class Timing:
     length: float
 
 
-def least_times(arena: Arena, sides: Sides, start: Array, route: Route, width: Array) -> Timing | None:
+def minimum_times(arena: Arena, sides: Sides, start: Array, route: Route, width: Array) -> Timing | None:
     """Return the times of a polyline tube with a vertex at every change of side, its total movement least.
 
     One duration for each stretch, shared by all dimensions; no edge moves by more than the duration. None when no tube
@@ -87,10 +87,10 @@ def time_plans(timing: Timing, segments: int) -> list[tuple[float, ...]]:
     """
     plans: list[tuple[float, ...]] = []
     for minimum in MINIMUM_SEGMENTS:
-        stretched = [max(share, minimum / segments) for share in timing.shares]
-        total = float(np.cumsum(stretched)[-1])
-        plan = tuple(share / total for share in stretched)
-        if minimum * len(stretched) < segments and plan not in plans:
+        longer_shares = [max(share, minimum / segments) for share in timing.shares]
+        total = float(np.cumsum(longer_shares)[-1])
+        plan = tuple(share / total for share in longer_shares)
+        if minimum * len(longer_shares) < segments and plan not in plans:
             plans.append(plan)
     return plans
 

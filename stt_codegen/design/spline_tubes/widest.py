@@ -18,7 +18,7 @@ from stt_codegen.design.linear_programs import SolverCache
 from stt_codegen.design.missions import Mission
 from stt_codegen.design.routes import Route, bounds_along_route, bounds_by_stretch, choose_sides, find_route, shortest_route
 from stt_codegen.design.spline_tubes.slowest_tube import CLOSE_TO_BOUND, SplineTube, slowest_tube
-from stt_codegen.design.spline_tubes.stretch_times import changes_at, least_times, time_plans
+from stt_codegen.design.spline_tubes.stretch_times import changes_at, minimum_times, time_plans
 from stt_codegen.task import Task
 
 SEGMENT_COUNTS = (32, 48, 64, 96, 128, *(1 << k for k in range(8, 14)))  # tried in this order when the task names no number
@@ -242,7 +242,7 @@ class TubeSearch:
         """Return a tube on the sides that last longest, with the least times of the stretches between their changes."""
         arena = self.arena
         sides = choose_sides(arena, route, self.start)
-        timing = least_times(arena, sides, self.start, route, width) if sides is not None else None
+        timing = minimum_times(arena, sides, self.start, route, width) if sides is not None else None
         if sides is None or timing is None:
             return None
         for shares in time_plans(timing, segments):
