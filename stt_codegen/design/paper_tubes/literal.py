@@ -59,7 +59,7 @@ def design_literal(task: Task) -> AdaptiveDesign:
     )  # fmt: skip
 
 
-class _Conflict(NamedTuple):
+class _ConflictWindow(NamedTuple):
     """The conflict of the reachability tube with a set: the dimension that (6) chooses, and when all dimensions overlap, in s."""
 
     dimension: int
@@ -67,7 +67,9 @@ class _Conflict(NamedTuple):
     closes: float
 
 
-def _conflict_of(start: tuple[Edge, ...], target: tuple[Edge, ...], sides: tuple[Edge, ...], t_c: Fraction) -> _Conflict | None:
+def _conflict_of(
+    start: tuple[Edge, ...], target: tuple[Edge, ...], sides: tuple[Edge, ...], t_c: Fraction
+) -> _ConflictWindow | None:
     """Return the conflict with a set that has these sides; None where some dimension never overlaps, or not at once."""
     windows = [conflict_in_sigma(*edges) for edges in zip(start, target, sides, strict=True)]
     times = [(time_of_sigma(w[0], t_c), time_of_sigma(w[1], t_c)) for w in windows if w is not None]
@@ -77,7 +79,7 @@ def _conflict_of(start: tuple[Edge, ...], target: tuple[Edge, ...], sides: tuple
     if opens >= closes:
         return None
     last, first = [a for a, _ in times].index(opens), [b for _, b in times].index(closes)
-    return _Conflict(min((last, first), key=lambda k: times[k][1] - times[k][0]), opens, closes)
+    return _ConflictWindow(min((last, first), key=lambda k: times[k][1] - times[k][0]), opens, closes)
 
 
 def _round_time(seconds: float) -> Fraction:

@@ -20,7 +20,7 @@ MINIMUM_SEGMENTS = (0, 1, 4)  # that every stretch of the polyline tube gets; tr
 
 
 @dataclass(frozen=True)
-class Timing:
+class StretchTiming:
     """The polyline tube of least time: route parameters of its vertices and the share of time of each stretch.
 
     length: sum of the stretches' lengths (largest movement of any edge), a distance; length / t_c bounds the peak
@@ -32,7 +32,7 @@ class Timing:
     length: float
 
 
-def minimum_times(arena: Arena, sides: Sides, start: Array, route: Route, width: Array) -> Timing | None:
+def minimum_times(arena: Arena, sides: Sides, start: Array, route: Route, width: Array) -> StretchTiming | None:
     """Return the times of a polyline tube with a vertex at every change of side, its total movement least.
 
     One duration for each stretch, shared by all dimensions; no edge moves by more than the duration. None when no tube
@@ -48,7 +48,7 @@ def minimum_times(arena: Arena, sides: Sides, start: Array, route: Route, width:
         return None
     length = float(np.cumsum(durations)[-1])
     shares = tuple(d / length for d in durations) if length > 0 else (1.0 / m,) * m
-    return Timing(vertices, shares, length)
+    return StretchTiming(vertices, shares, length)
 
 
 def _durations(arena: Arena, bounds: SegmentBounds, start: Array, width: Array) -> list[float] | None:
@@ -80,7 +80,7 @@ def _durations(arena: Arena, bounds: SegmentBounds, start: Array, width: Array) 
     return None if solution is None else [max(float(d), 0.0) for d in solution[duration]]
 
 
-def time_plans(timing: Timing, segments: int) -> list[tuple[float, ...]]:
+def time_plans(timing: StretchTiming, segments: int) -> list[tuple[float, ...]]:
     """Return shares of time to try: as the linear program has them, then with some segments at least for every stretch.
 
     With these a spline can turn where the polyline has a corner.
@@ -95,7 +95,9 @@ def time_plans(timing: Timing, segments: int) -> list[tuple[float, ...]]:
     return plans
 
 
-def changes_at(timing: Timing, sides: Sides, shares: tuple[float, ...], segments: int) -> tuple[tuple[int, ...], ...] | None:
+def changes_at(
+    timing: StretchTiming, sides: Sides, shares: tuple[float, ...], segments: int
+) -> tuple[tuple[int, ...], ...] | None:
     """Return the segment at which each side ends, at least one segment for each side; None when they do not fit."""
     times = np.concatenate([[0.0], np.cumsum(shares)]) * segments
     time_of = {round(v, 9): float(t) for v, t in zip(timing.vertices, times, strict=True)}
