@@ -269,7 +269,7 @@ OTHER_NAMES = {
     "wide": "narrow", "shift": "latency", "latency": "shift", "cosh": "tanh",
     "min": "max", "max": "min", "minimum": "maximum", "maximum": "minimum", "argmin": "argmax", "floor": "ceil", "ceil": "floor",
     "LOWER": "UPPER", "UPPER": "LOWER", "lower": "upper", "upper": "lower", "narrow_seen": "narrow", "f_max": "w_max",
-    "keep": "bound", "size": "per", "reach": "rush", "share": "decay", "initial_state": "start", "gain": "e_max",
+    "keep": "bound", "size": "per", "reach": "speed_factor", "share": "decay", "initial_state": "start", "gain": "e_max",
 }  # fmt: skip
 
 
@@ -457,11 +457,11 @@ def _period() -> list[float]:
 def _update() -> list[float]:
     times = [0.25 * k for k in range(13)]
     steps = alpha_curves.Steps(Fraction(1, 100), Fraction(1, 20), 1e-5, 2.0**-24)
-    found: list[Any] = [steps.least, steps.reach]
+    found: list[Any] = [steps.minimum, steps.reach]
     for psi, theta in (([0.3, 0.1, 0.05, 0.2, 0.5, 0.9] * 2, [0.02, 0.2, 0.4, 0.1, 0.01, 1e-5] * 2), ([0.4] * 12, [0.05] * 12)):
         both = [alpha_curves.upper_curve, alpha_curves.lower_curve]
         found += [curve(times, [*psi, 0.3], [*theta, 0.1], 5.0, steps) for curve in both]
-        found += [alpha_curves.ahead(np.array(times), np.array(psi), 0.3, largest) for largest in (True, False)]
+        found += [alpha_curves.extremes_ahead(np.array(times), np.array(psi), 0.3, largest) for largest in (True, False)]
     found.append(alpha_curves.upper_curve(times, [0.1] * 13, [0.1] * 13, 1e-9, steps))
     for side in (1, -1):
         made = alpha_curves.Curve(side, 1e-5, 5.0, 1.001, 0.1)
@@ -502,12 +502,19 @@ def _slack() -> list[float]:
     ]
     chosen = [rows.Avoidance("a", tuple(slanted)), rows.Avoidance("b", (made[0], slanted[0]))]
     unit = Fraction(1, 2)
-    blocks = [slack.RowBlock.of(made, unit), slack.RowBlock.of([*made, *slanted], unit), slack.RowBlock.choice(chosen, unit)]
+    blocks = [
+        slack.ConstraintBlock.of(made, unit),
+        slack.ConstraintBlock.of([*made, *slanted], unit),
+        slack.ConstraintBlock.choice(chosen, unit),
+    ]
     found: list[Any] = [slack.halves(bezier.astype(object) * Fraction(1)), slack.units_above(Fraction(7, 3), unit)]
     for block in blocks:
-        told = block.told(bezier)
-        found += [told, block.told_of(told), block.slack(bezier)]
-        found += [[w.slack, w.row, w.choice] for w in (slack.least_slack(bezier, block, Fraction(v)) for v in (0, 5, 40, -90))]
+        told = block.slack_by_constraint(bezier)
+        found += [told, block.slack_of_block(told), block.slack(bezier)]
+        found += [
+            [w.slack, w.constraint, w.set_index]
+            for w in (slack.smallest_slack(bezier, block, Fraction(v)) for v in (0, 5, 40, -90))
+        ]
     return _numbers_of(found)
 
 
@@ -528,9 +535,9 @@ READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = 
     (periods, "inputs_where_proved is_in_range", _period, (sampled_exact,)),
     (numbers.Fractions, "eps_of_share far_divisor near_divisor share_of_eps log_below log_above lesser evenly", _period,
      (sampled_exact, sampled_windows)),
-    (alpha_curves, "curve_values ahead", _update, (update_cells,)),
+    (alpha_curves, "curve_values extremes_ahead", _update, (update_cells,)),
     (alpha_curves.Curve, "of outer cell balance root beyond", _update, (update_cells,)),
-    (alpha_curves.Steps, "reach least", _update, (update_cells,)),
+    (alpha_curves.Steps, "reach minimum", _update, (update_cells,)),
     (rows, "width_constraints initial_state_constraints start_constraints stay_constraints reach_constraints avoidances "
      "speed_constraints box_constraints _interval_constraints separation_constraints _lowest_value_terms", _rows,
      (row_lemmas,)),
@@ -538,8 +545,9 @@ READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = 
     (sets, "minimum_over_box", _rows, (row_lemmas,)),
     (sets.BoxSet, "support faces grown", _rows, (row_lemmas,)),
     (sets.GrownSet, "support", _rows, (row_lemmas,)),
-    (slack, "least_slack _halve halves units_above", _slack, (spline_edges, row_lemmas)),
-    (slack.RowBlock, "choice _made single slack told told_of _left set_of", _slack, (row_lemmas,)),
+    (slack, "smallest_slack _halve halves units_above", _slack, (spline_edges, row_lemmas)),
+    (slack.ConstraintBlock, "choice _build single slack slack_by_constraint slack_of_block _smallest_left_side set_of", _slack,
+     (row_lemmas,)),
     (arithmetic, "late time_error", _arithmetic, (spline_edges,)),
 )  # fmt: skip
 

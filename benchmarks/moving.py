@@ -230,7 +230,7 @@ def run(task: Task, way: bool) -> Result:
 def row(name: str, results: list[Result]) -> str:
     good = [r for r in results if r.made is not None]
     ways, took = [r for r in results if r.way], 1e3 * np.array([r.seconds for r in results])
-    width = np.array([float(r.made.certificate.least_width) for r in good if r.made]) if good else np.array([np.nan])
+    width = np.array([float(r.made.certificate.minimum_width) for r in good if r.made]) if good else np.array([np.nan])
     speed = np.array([float(max(r.made.certificate.speed)) for r in good if r.made]) if good else np.array([np.nan])
     counted = f"{sum(r.made is not None for r in ways)} of {len(ways)}", f"{len(good)} of {len(results)}"
     times = f"{np.median(took):.0f} / {np.percentile(took, 95):.0f}"

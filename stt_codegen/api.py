@@ -235,7 +235,7 @@ class Controller(pipeline.EmittedController):
 
     def __repr__(self) -> str:
         verdict = "certified" if self.certificate.holds else "NOT CERTIFIED"
-        width = f"least width {float(self.certificate.least_width):.3g}"
+        width = f"least width {float(self.certificate.minimum_width):.3g}"
         kind = f"{self.design.kind} tube, {self.design.size}"
         return f"<Controller {self.task.name}: {kind}, {verdict}, {width}, {self.program.scalar}>"
 

@@ -145,7 +145,7 @@ class Parameters:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Lines:
+class LineValues:
     """sigma (P,), and rho, beta, psi, theta of shape (P, n, 2), [lower, upper], with rates of rho and beta in time."""
 
     sigma: Array
@@ -157,7 +157,7 @@ class Lines:
     beta_rate: Array
 
 
-def lines(p: Parameters, t: npt.ArrayLike) -> Lines:
+def lines(p: Parameters, t: npt.ArrayLike) -> LineValues:
     """Everything in (4)-(11) that depends on time alone, at times t (held within [0, t_c])."""
     time = np.clip(np.asarray(t, dtype=np.longdouble), 0, p.t_c)
     with np.errstate(all="ignore"):
@@ -179,7 +179,7 @@ def lines(p: Parameters, t: npt.ArrayLike) -> Lines:
     psi = np.stack([beta[:, :, 1] - rho[:, :, 0], rho[:, :, 1] - beta[:, :, 0]], axis=2)
     with np.errstate(over="ignore"):  # theta0 (1 - tanh y) = 2 theta0 / (1 + exp(2 y)), without the cancellation
         theta = 2 * p.theta0 / (1 + np.exp(2 * p.varsigma * (psi - p.mu)))
-    return Lines(
+    return LineValues(
         sigma=sigma, rho=rho, beta=beta, psi=psi, theta=theta, rho_rate=span * sigma_rate[:, None, None], beta_rate=sign * slopes
     )
 
@@ -225,7 +225,7 @@ def alpha_steps(p: Parameters, t: npt.ArrayLike, dt: npt.ArrayLike, alpha: npt.A
     return np.asarray(rest + force / ((low + high) / 2) ** 2)
 
 
-def adaptive_tube(p: Parameters, now: Lines, alpha: npt.ArrayLike) -> tuple[Array, Array]:
+def adaptive_tube(p: Parameters, now: LineValues, alpha: npt.ArrayLike) -> tuple[Array, Array]:
     """gamma of (10) and its total rate along (11), shape (P, n, 2), for alpha of that shape."""
     a = np.asarray(alpha, dtype=np.longdouble)
     sign = np.array([-1, 1], dtype=np.longdouble)

@@ -18,8 +18,7 @@ POSITIONAL = """
     certify/certificate.py:Finding
     certify/certificate.py:MissionProof
     certify/certificate.py:PeriodProof
-    certify/claims.py:Claim
-    certify/slack.py:RowBlock
+    certify/claims.py:SlackClaim
     compare/comparison.py:Row
     compare/comparison.py:_Truth
     emit/selftest.py:Vectors

@@ -34,7 +34,7 @@ USED_ELSEWHERE = {
 
 # Names that two or more classes have today. A name leaves the list when its classes are renamed, and none is added.
 REPEATED = """
-    Claim Extremes Filter Frame Lines Loop Row Sampling Table _Reader _Walk
+    Filter Frame Loop Row Sampling Table _Reader _Walk
 """
 
 

@@ -76,7 +76,7 @@ def run(job: Job) -> Result:
     end = time.process_time()
     speed, slowest = _speeds(job, certificate)
     return Result(
-        job, way, certificate.holds, middle - begin, end - middle, float(certificate.least_width), speed, slowest,
+        job, way, certificate.holds, middle - begin, end - middle, float(certificate.minimum_width), speed, slowest,
         "" if certificate.holds else certificate.refusal(), tuple(sorted({f.code for f in certificate.failures})),
     )  # fmt: skip
 

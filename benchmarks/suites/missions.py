@@ -84,7 +84,7 @@ def of_task(name: str, task: Task) -> Run:
     speed = max(float(v) for v in certificate.speed)
     told = "" if certificate.holds else certificate.refusal()
     took, alone, proof = (1e3 * v for v in (found - begin, alone, proved - made))
-    return Run(name, certificate.holds, took, alone, proof, float(certificate.least_width), speed, told)
+    return Run(name, certificate.holds, took, alone, proof, float(certificate.minimum_width), speed, told)
 
 
 def summary(title: str, runs: list[Run]) -> list[str]:

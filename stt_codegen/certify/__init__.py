@@ -4,18 +4,18 @@ Large because the stand-alone checker, half of it, shares no code with the rest.
 """
 
 from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PeriodProof
-from stt_codegen.certify.claims import Claim, claims_of, cuts_of
+from stt_codegen.certify.claims import SlackClaim, claims_of, cuts_of
 from stt_codegen.certify.monitor import Cycle, Span, Time, holds
-from stt_codegen.certify.moving_slack import Lines
+from stt_codegen.certify.moving_slack import MovingBounds
 
 __all__ = [
     "Certificate",
-    "Claim",
     "Cycle",
     "Finding",
-    "Lines",
     "MissionProof",
+    "MovingBounds",
     "PeriodProof",
+    "SlackClaim",
     "Span",
     "Time",
     "adaptive",

@@ -1,5 +1,8 @@
-"""What a certificate says: the properties P1 to P7, P8 where u is limited and the plant has bounds, P9 where the task has a
-period, P10 where it has a mission, each with its margin and the place where the margin is least."""
+"""What a certificate states: a finding for each property, with its margin and the place where the margin is smallest.
+
+The properties are P1 to P7, P8 where u is limited and the plant has bounds, P9 where the task has a period, and P10 where it has
+a mission. The files beside this one compute the findings; reports and refusals read them.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +19,13 @@ from stt_codegen.task.mission import Formula, StateFormula
 
 @dataclass(frozen=True)
 class Finding:
-    """One property. It holds when `margin` >= `required` (task's units; seconds for P9 and the second of P10, but a length where
-    initial_state is outside the share; units per second for P8); then `margin` is a proved lower bound on the slack, least in the
-    time interval `time` (seconds), `dimension` (from 1) and at `obstacle`. When it fails, margin and place are those of one place
-    where it fails, not necessarily the worst. advice: what would mend it; empty: what the property advises."""
+    """What is known of one property. It holds when `margin` >= `required`.
+
+    Both are in the task's units. They are in seconds for P9 and the second finding of P10, but P9's is a length where
+    initial_state is outside the share. P8's are in units per second. Where the property holds, `margin` is a proved lower bound
+    on the slack, which is smallest in the time interval `time` (seconds), in `dimension` (from 1) and at `obstacle`. Where it
+    fails, margin and place are those of one failure, not necessarily the worst. advice: a remedy; empty for the property's own.
+    """
 
     subject: Property
     statement: str
@@ -33,12 +39,12 @@ class Finding:
 
     @property
     def code(self) -> str:
-        """The property as certificates spell it: "P1" to "P10"."""
+        """The property's code in certificates: "P1" to "P10"."""
         return self.subject.code
 
     @property
     def remedy(self) -> str:
-        """What would mend it."""
+        """The change to the task that would remove a failure."""
         return self.advice or self.subject.advice
 
     @property
@@ -48,10 +54,11 @@ class Finding:
 
     @property
     def holds(self) -> bool:
+        """Whether the margin is large enough."""
         return self.margin >= self.required
 
-    def place(self, axes: Sequence[str] = ()) -> str:
-        """When and where; axes: what a sentence calls the dimensions."""
+    def location(self, axes: Sequence[str] = ()) -> str:
+        """Return time, axis and unsafe set in words; axes: the names of the dimensions."""
         parts = []
         if self.time is not None:
             a, b = self.time
@@ -63,15 +70,19 @@ class Finding:
         return ", ".join(parts)
 
     def fault(self, axes: Sequence[str] = ()) -> str:
-        """What fails, where and by how much; axes as for `place`."""
-        where, unit = self.place(axes), " s" if self.is_in_seconds else ""
-        return f"{self.subject.label}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}{unit}"
+        """Return what fails, where and by how much; axes as for `location`."""
+        location, unit = self.location(axes), " s" if self.is_in_seconds else ""
+        at = f" at {location}" if location else ""
+        return f"{self.subject.label}{at}: fails by {decimal(self.required - self.margin)}{unit}"
 
 
 @dataclass(frozen=True)
 class PeriodProof:
-    """What P9 is about. Starts: |e_i(0)| <= share. rho: e^E by component, |e_i| < (rho - 1)/(rho + 1) throughout; u: |u_i| is
-    below. shift: what the law sees of x and the edges is wrong by at most that: arithmetic and noise."""
+    """The numbers that P9 proves, by component unless stated otherwise.
+
+    period, latency: seconds. share: starts have |e_i(0)| <= share. rho: e^E; |e_i| < (rho - 1)/(rho + 1) throughout. u: a bound
+    on |u_i|. shift: a bound on the error of the measured distances to the edges, from arithmetic and noise.
+    """
 
     period: Fraction
     latency: Fraction
@@ -83,9 +94,11 @@ class PeriodProof:
 
 @dataclass(frozen=True)
 class MissionProof:
-    """What P10 shows. spans: where each state holds, in slices of a segment (certify/missions/proof.py); margin: in units of the
-    table, on all of them; time_margin: in slices; witnesses: by entry of the mission, in seconds; cycle: what is repeated for
-    ever."""
+    """The numbers that P10 proves.
+
+    spans: where each state holds, in slices of a segment (certify/missions/proof.py). margin: on all of them, in units of the
+    table. time_margin: in slices. witnesses: by entry of the mission, in seconds. cycle: the part that repeats for ever.
+    """
 
     formula: Formula
     spans: dict[StateFormula, tuple[tuple[int, int], ...]]
@@ -97,66 +110,73 @@ class MissionProof:
 
 @dataclass(frozen=True)
 class Certificate:
-    """The findings for one tube, and the numbers that go with them.
+    """The findings for one tube, and the numbers that belong to them.
 
-    edge_error: P7's bound on the distance between the emitted edge and the exact one, by dimension; rate_error: of their rates,
-    for order 2.
-    method: "exact" and "enclosure" are proofs; "sampled" finds faults and proves nothing.
-    steps: the shortest and longest step of alpha (seconds) for which an adaptive or literal tube is proved.
-    speed: bound on |gammadot| by dimension (P6). least_width: over all t and dimensions (a proved lower bound where P1 holds).
-    start: gamma(0) as (lower, upper) by dimension. whole_start: gamma(0) is all of the initial set but for
-    a thousandth of its width at each edge. proved_period: what P9 proves, where the task has a period and it holds; mission: what
-    P10 shows, likewise.
+    edge_error: P7's bound on the distance between the emitted edge and the exact one, by dimension; rate_error: the same for
+    their rates, for order 2. speed: a bound on |gammadot| by dimension (P6). minimum_width: over all t and dimensions; a proved
+    lower bound where P1 holds. start: gamma(0) as (lower, upper) by dimension. covers_initial_set: whether gamma(0) is the
+    initial set but for a thousandth of its width at each edge. method: "exact" and "enclosure" are proofs; "sampled" finds faults
+    and proves nothing. steps: the shortest and the longest step of alpha (seconds) for which an adaptive or literal tube is
+    proved. proved_period: what P9 proves, where the task has a period and P9 holds; mission: what P10 proves, likewise. axes: the
+    names of the dimensions in sentences.
     """
 
     findings: tuple[Finding, ...]
     edge_error: tuple[Fraction, ...]
     speed: tuple[Fraction, ...]
-    least_width: Fraction
+    minimum_width: Fraction
     start: tuple[tuple[Fraction, Fraction], ...]
-    whole_start: bool
+    covers_initial_set: bool
     method: str = "exact"
     steps: tuple[Fraction, Fraction] | None = None
     proved_period: PeriodProof | None = None
     mission: MissionProof | None = None
     rate_error: tuple[Fraction, ...] = ()
-    axes: tuple[str, ...] = ()  # what sentences call the dimensions
+    axes: tuple[str, ...] = ()
 
     @property
     def proves(self) -> bool:
+        """Whether the findings are proofs."""
         return self.method != "sampled"
 
     @property
     def holds(self) -> bool:
+        """Whether all properties are proved."""
         return self.proves and all(f.holds for f in self.findings)
 
     @property
     def tube_holds(self) -> bool:
-        """Whether P1 to P7 and P10 do, whatever becomes of P8 and P9."""
+        """Whether P1 to P7 and P10 are proved, with or without P8 and P9."""
         return self.proves and all(f.holds for f in self.findings if f.subject not in (Property.LIMITS, Property.PERIOD))
 
     @property
     def lacks_rounding(self) -> bool:
-        """Whether the exact tube is sound, and only what the arithmetic takes is missing."""
+        """Whether the exact tube is sound, and only the margin for its arithmetic is too small."""
         short = [f for f in self.failures if f.subject is not Property.ARITHMETIC]
         return self.method == "exact" and bool(short) and all(f.margin >= 0 and f.subject in OF_THE_EDGES for f in short)
 
     def refusal(self) -> str:
-        """All that fails, in one line, and what to change, each advice once, after all that it would mend. P7 is named only where
-        the exact tube itself is sound."""
+        """Return all failures in one line, with each advice once, after all failures that it would remove.
+
+        P7 is named only where the exact tube itself is sound.
+        """
         if self.method == "sampled" and not self.failures:
             at_samples = f"{Property.WIDTH.label} to {Property.SMOOTH.label} hold at the samples"
             kinds = kinds_offering("has_exact_claims", quoted=True)
             return f"{at_samples}, but this design is not proved between them; use tube.design = {kinds}"
         broken = [f for f in self.failures if f.margin < 0 and f.subject is not Property.ARITHMETIC]
         faults: dict[str, list[str]] = {}
-        more_room = next((f.remedy for f in self.findings if f.subject is Property.ARITHMETIC), "")
-        for f in broken or self.failures:  # what has a margin, but less than the arithmetic takes, no other set would mend
-            narrow = f.margin >= 0 and f.subject in OF_THE_EDGES and not f.in_time
-            faults.setdefault(more_room if narrow and more_room else f.remedy, []).append(f.fault(self.axes))
-        told = "; ".join("; ".join([*found, *([advice] if advice else [])]) for advice, found in faults.items())
-        return f"holds at samples but cannot be proved between them: {told}" if self.method == "enclosure" else told
+        for_arithmetic = next((f.remedy for f in self.findings if f.subject is Property.ARITHMETIC), "")
+        for f in (
+            broken or self.failures
+        ):  # where only the margin for the arithmetic is too small, the property's remedy is no help
+            lacks_rounding = f.margin >= 0 and f.subject in OF_THE_EDGES and not f.in_time
+            advice = for_arithmetic if lacks_rounding and for_arithmetic else f.remedy
+            faults.setdefault(advice, []).append(f.fault(self.axes))
+        sentence = "; ".join("; ".join([*group, *([advice] if advice else [])]) for advice, group in faults.items())
+        return f"holds at samples but cannot be proved between them: {sentence}" if self.method == "enclosure" else sentence
 
     @property
     def failures(self) -> tuple[Finding, ...]:
+        """The findings that do not hold."""
         return tuple(f for f in self.findings if not f.holds)

@@ -1,7 +1,7 @@
-"""What format 2 of the certificate claims of a refined tube: for every property the least slack of its rows in whole units of the
-table, and where a checker finds it: which normal of an unsafe set on which stretch of time, and where a segment must be cut.
+"""The claims of certificate format 2 about a refined tube: for every property the smallest slack, and hints where to find it.
 
-The hints are for whoever repeats the proof and need not be believed; docs/certificate-format.md is for them.
+A slack is in whole units of the table. The hints say which normal of an unsafe set proves it on which stretch of time, and where
+a segment must be cut. They help a checker to repeat the proof and need not be trusted; docs/certificate-format.md describes them.
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from stt_codegen.certify.certificate import Certificate
-from stt_codegen.certify.filtered_findings import allowance, filtered_width, spare_acceleration, starts
-from stt_codegen.certify.limits import least_spare
-from stt_codegen.certify.missions import SLICES, kept_off
-from stt_codegen.certify.moving_slack import moving_pieces
-from stt_codegen.certify.slack import Found, RowBlock, pieces_of
+from stt_codegen.certify.certificate import Certificate, MissionProof
+from stt_codegen.certify.filtered_findings import distance_errors, filtered_width_slack, input_slack, start_slack
+from stt_codegen.certify.limits import smallest_limit_slack
+from stt_codegen.certify.missions import SLICES, avoiding_pieces
+from stt_codegen.certify.moving_slack import moving_slack_by_piece
+from stt_codegen.certify.slack import ConstraintBlock, PieceSlack, slack_by_piece
 from stt_codegen.constraints import (
     Constraint,
     acceleration_constraints,
@@ -41,7 +42,7 @@ from stt_codegen.task.sets import UnsafeSet
 
 @dataclass(frozen=True)
 class Stretch:
-    """From a place to another of spline time, in segments, along a normal (None where every row must hold)."""
+    """An interval of spline time, in segments, with the normal that proves it; None where every constraint must hold."""
 
     begin: Fraction
     end: Fraction
@@ -49,10 +50,13 @@ class Stretch:
 
 
 @dataclass(frozen=True)
-class Claim:
-    """One property for all of `on` (spline time, in segments): the slack of its rows is at least `margin` units of the table,
-    None where there is no row. name: of the unsafe set. hints: empty where whole segments and every row do. order: of the
-    derivative, where the property does not tell it."""
+class SlackClaim:
+    """A claim that one property has at least some slack on an interval of spline time.
+
+    on: the interval, in segments. margin: the slack, in units of the table; None where there is no constraint. name: of the
+    unsafe set. hints: empty where whole segments and all constraints prove it. order: of the derivative, where the property alone
+    does not say it.
+    """
 
     subject: Property
     on: tuple[int | Fraction, ...]
@@ -62,130 +66,167 @@ class Claim:
     order: int | None = None
 
 
-def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> list[Claim]:
-    """The claims P1 to P6, P8 and P10, in that order; P4 for every unsafe set."""
-    unit, bezier, segments = design.unit, design.bezier(), design.segments
-    error = units_of_error(design, certificate.edge_error)
-    always, n = (0, segments), task.dimension
-
-    def every(subject: Property, rows: Sequence[Constraint]) -> Claim:
-        found = pieces_of(bezier, RowBlock.of(rows, unit), error * _demand(rows))
-        worst = [(a, b, slack.min(keepdims=True)) for a, b, slack in found]
-        cut = tuple(Stretch(a, b, None) for a, b, _ in found if b - a < 1)
-        return Claim(subject, always, min(_whole(slack[0]) for _, _, slack in worst), hints=cut)
-
-    def at(subject: Property, rows: Sequence[Constraint], piece: int, point: int) -> Claim:
-        place = 0 if piece == 0 else segments
-        held = np.repeat(bezier[piece : piece + 1 or None, ..., point : point + 1 or None], 4, axis=-1)
-        return Claim(subject, (place, place), int(RowBlock.of(rows, unit).slack(held)[0][0]))
-
-    def avoid() -> list[Claim]:
-        found = []
-        for one in avoidances(task):
-            required = error * _demand(one.alternatives)
-            if one.course is None:
-                pieces = pieces_of(bezier, RowBlock.choice([one], unit), required)
-            else:
-                pieces = list(moving_pieces(one, design, required))
-            margin = min(_whole(slack.max()) for _, _, slack in pieces)
-            found.append(Claim(Property.AVOID, always, margin, one.name, tuple(_stretches(pieces, one.alternatives, margin, n))))
-        return found
-
+def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> list[SlackClaim]:
+    """Return the claims P1 to P6, P8 and P10, in that order; P4 for every unsafe set."""
+    tube = _ClaimedTube(task, design, design.bezier(), units_of_error(design, certificate.edge_error))
+    start = (*initial_state_constraints(task), *start_constraints(task))
     kink = int(design.kink(task.order).max())
-
-    def within(order: int, rows: Sequence[Constraint]) -> int | None:
-        """The least room of rates, or accelerations, in units of the table by one segment's time to that power."""
-        edges = bezier
-        for degree in range(3, 3 - order, -1):
-            edges = degree * np.diff(edges, axis=3)
-        scale = (design.prescribed_time / segments) ** order / unit
-        return min(
-            (int((c * edges[:, i, e]).min()) - math.ceil(r.bound * scale) for r in rows for i, e, c in r.terms), default=None
-        )
-
-    if task.order == 2:
-        wrong = allowance(design, certificate.edge_error, certificate.rate_error)
-        width, first, pushed = filtered_width(design), starts(task, design, wrong), spare_acceleration(task, design)
-        inert = [Claim(Property.WIDTH, always, width.units, order=2), Claim(Property.START, (0, 0), first.units, order=2)]
-        inert += [] if pushed is None else [Claim(Property.LIMITS, always, pushed.units)]
-    else:
-        spare = least_spare(task, design)
-        inert = [] if spare is None else [Claim(Property.LIMITS, always, spare.slack)]
-    second = within(2, acceleration_constraints(task))
+    acceleration = tube.rate_slack(2, acceleration_constraints(task))
     return [
-        every(Property.WIDTH, width_constraints(task)),
-        at(Property.START, (*initial_state_constraints(task), *start_constraints(task)), 0, 0),
-        every(Property.STAY, stay_constraints(task)),
-        *avoid(),
-        *([] if task.target_set is None else [at(Property.REACH, reach_constraints(task), -1, -1)]),
-        Claim(Property.SMOOTH, always, -kink if kink else within(1, speed_constraints(task))),
-        *([] if second is None else [Claim(Property.SMOOTH, always, second, order=2)]),
-        *inert,
-        *_mission(task, design, certificate),
+        tube.claim_always(Property.WIDTH, width_constraints(task)),
+        tube.claim_at(Property.START, start, 0, 0),
+        tube.claim_always(Property.STAY, stay_constraints(task)),
+        *tube.claim_avoidance(),
+        *([] if task.target_set is None else [tube.claim_at(Property.REACH, reach_constraints(task), -1, -1)]),
+        SlackClaim(Property.SMOOTH, tube.always, -kink if kink else tube.rate_slack(1, speed_constraints(task))),
+        *([] if acceleration is None else [SlackClaim(Property.SMOOTH, tube.always, acceleration, order=2)]),
+        *(_limit_claims(tube) if task.order == 1 else _inertial_claims(tube, certificate)),
+        *([] if certificate.mission is None else _mission_claims(task, design, certificate.mission)),
     ]
 
 
-def _mission(task: Task, design: RefinedDesign, certificate: Certificate) -> list[Claim]:
-    """P10: every stretch on which a state holds; with hints where a region that is no box is kept off."""
-    shown, found = certificate.mission, []
-    for state, spans in () if shown is None else shown.spans.items():
-        assert shown is not None
+@dataclass(frozen=True)
+class _ClaimedTube:
+    """A task and a design, with the Bezier coefficients and P7's error in whole units of the table."""
+
+    task: Task
+    design: RefinedDesign
+    bezier: npt.NDArray[np.int64]
+    error: int
+
+    @property
+    def always(self) -> tuple[int, int]:
+        """The whole spline time, in segments."""
+        return (0, self.design.segments)
+
+    def claim_always(self, subject: Property, constraints: Sequence[Constraint]) -> SlackClaim:
+        """Return the claim of constraints that must all hold for all t; hints say where a segment is cut."""
+        block = ConstraintBlock.of(constraints, self.design.unit)
+        pieces = slack_by_piece(self.bezier, block, self.error * _largest_distance_error(constraints))
+        cuts = tuple(Stretch(p.begin, p.end, None) for p in pieces if p.end - p.begin < 1)
+        return SlackClaim(subject, self.always, min(_floor(p.slack.min(keepdims=True)[0]) for p in pieces), hints=cuts)
+
+    def claim_at(self, subject: Property, constraints: Sequence[Constraint], piece: int, point: int) -> SlackClaim:
+        """Return the claim of constraints at one moment: the control point `point` of segment `piece`."""
+        moment = 0 if piece == 0 else self.design.segments
+        points = np.repeat(self.bezier[piece : piece + 1 or None, ..., point : point + 1 or None], 4, axis=-1)
+        slack = ConstraintBlock.of(constraints, self.design.unit).slack(points)[0][0]
+        return SlackClaim(subject, (moment, moment), int(slack))
+
+    def claim_avoidance(self) -> list[SlackClaim]:
+        """Return the claims of P4; hints say which normal proves it when."""
+        claims = []
+        for avoidance in avoidances(self.task):
+            constraints = avoidance.alternatives
+            required = self.error * _largest_distance_error(constraints)
+            if avoidance.course is None:
+                pieces = slack_by_piece(self.bezier, ConstraintBlock.choice([avoidance], self.design.unit), required)
+            else:
+                pieces = list(moving_slack_by_piece(avoidance, self.design, required))
+            margin = min(_floor(p.slack.max()) for p in pieces)
+            hints = tuple(_stretches(pieces, constraints, margin, self.task.dimension))
+            claims.append(SlackClaim(Property.AVOID, self.always, margin, avoidance.name, hints))
+        return claims
+
+    def rate_slack(self, order: int, constraints: Sequence[Constraint]) -> int | None:
+        """Return the smallest slack of rates (order 1) or accelerations (2); None without constraints.
+
+        It is in units of the table by one segment's time to that power.
+        """
+        edges = self.bezier
+        for degree in range(3, 3 - order, -1):
+            edges = degree * np.diff(edges, axis=3)
+        scale = (self.design.prescribed_time / self.design.segments) ** order / self.design.unit
+        return min(
+            (
+                int((c * edges[:, i, side]).min()) - math.ceil(constraint.bound * scale)
+                for constraint in constraints
+                for i, side, c in constraint.terms
+            ),
+            default=None,
+        )
+
+
+def _limit_claims(tube: _ClaimedTube) -> list[SlackClaim]:
+    """Return the claim of P8 for order 1, where the task asks for it."""
+    limit = smallest_limit_slack(tube.task, tube.design)
+    return [] if limit is None else [SlackClaim(Property.LIMITS, tube.always, limit.slack)]
+
+
+def _inertial_claims(tube: _ClaimedTube, certificate: Certificate) -> list[SlackClaim]:
+    """Return the claims for order 2: the filtered tube's width, its starts, and P8 where the task asks for it."""
+    task, design = tube.task, tube.design
+    errors = distance_errors(design, certificate.edge_error, certificate.rate_error)
+    limit = input_slack(task, design)
+    return [
+        SlackClaim(Property.WIDTH, tube.always, filtered_width_slack(design).units, order=2),
+        SlackClaim(Property.START, (0, 0), start_slack(task, design, errors).units, order=2),
+        *([] if limit is None else [SlackClaim(Property.LIMITS, tube.always, limit.units)]),
+    ]
+
+
+def _mission_claims(task: Task, design: RefinedDesign, proof: MissionProof) -> list[SlackClaim]:
+    """Return the claims of P10, one for every interval of every state; with hints where a region that is no box is avoided."""
+    claims = []
+    for state, spans in proof.spans.items():
         inner = state.inner
-        hinted = isinstance(inner, InRegion) and inner.is_negated and not isinstance(task.regions[inner.region], UnsafeSet)
-        (rows,) = [one.alternatives for one in mission_avoidances(task, state)] if hinted else [()]
+        has_hints = isinstance(inner, InRegion) and inner.is_negated and not isinstance(task.regions[inner.region], UnsafeSet)
+        (constraints,) = [a.alternatives for a in mission_avoidances(task, state)] if has_hints else [()]
         for span in spans:
-            told = kept_off(design, RowBlock.of(rows, design.unit), span, shown.margin) if hinted else []
-            hints = tuple(Stretch(a, b, _normal(rows[r], task.dimension)) for a, b, r in told)
-            found.append(Claim(Property.MISSION, tuple(Fraction(v, SLICES) for v in span), shown.margin, str(state), hints))
-    return found
+            block = ConstraintBlock.of(constraints, design.unit) if has_hints else None
+            pieces = [] if block is None else avoiding_pieces(design, block, span, proof.margin)
+            hints = tuple(Stretch(p.begin, p.end, _normal(constraints[p.constraint], task.dimension)) for p in pieces)
+            claims.append(SlackClaim(Property.MISSION, tuple(Fraction(v, SLICES) for v in span), proof.margin, str(state), hints))
+    return claims
 
 
-def _normal(row: Constraint, n: int) -> tuple[int, ...]:
+def _normal(constraint: Constraint, n: int) -> tuple[int, ...]:
+    """Return the coefficients of a constraint by dimension."""
     normal = [0] * n
-    for i, _, c in row.terms:
+    for i, _, c in constraint.terms:
         normal[i] = c
     return tuple(normal)
 
 
-def _whole(slack: Any) -> int:
-    """Rounded down, exactly: a NumPy number of 64 bits would go through a double."""
+def _floor(slack: Any) -> int:
+    """Round a slack down, exactly: a NumPy number of 64 bits must not go through a double."""
     return math.floor(slack) if isinstance(slack, Fraction) else int(slack)
 
 
 def units_of_error(design: RefinedDesign, edge_error: Sequence[Fraction]) -> int:
-    """P7's bound over all edges in whole units of the table: what P1 to P5 must have to spare."""
+    """Return P7's bound over all edges in whole units of the table, which P1 to P5 need as margin."""
     return math.ceil(max(edge_error) / design.unit)
 
 
-def cuts_of(claims: Sequence[Claim]) -> int:
-    """Into how many parts a segment is cut where the hints have it finest: a power of two; of missions into slices."""
-    places = [v for claim in claims for hint in claim.hints for v in (hint.begin, hint.end)]
-    finest = max((v.denominator for v in places), default=1)
+def cuts_of(claims: Sequence[SlackClaim]) -> int:
+    """Return the finest division of a segment in the hints, a power of two; with missions at least SLICES."""
+    moments = [v for claim in claims for hint in claim.hints for v in (hint.begin, hint.end)]
+    finest = max((v.denominator for v in moments), default=1)
     return max(finest, SLICES) if any(claim.subject is Property.MISSION for claim in claims) else finest
 
 
-def _demand(rows: Sequence[Constraint]) -> Fraction:
-    return max(row.distance_error for row in rows)
+def _largest_distance_error(constraints: Sequence[Constraint]) -> Fraction:
+    return max(constraint.distance_error for constraint in constraints)
 
 
-def _stretches(pieces: list[Found], rows: Sequence[Constraint], margin: int, n: int) -> list[Stretch]:
-    """The fewest stretches with one normal each that show the margin; pieces of a cut segment stay apart."""
+def _stretches(pieces: list[PieceSlack], constraints: Sequence[Constraint], margin: int, n: int) -> list[Stretch]:
+    """Return the fewest stretches with one normal each that prove the margin; pieces of a cut segment stay apart."""
     result: list[Stretch] = []
     k = 0
     while k < len(pieces):
         reach = []
-        for r in range(len(rows)):
+        for r in range(len(constraints)):
             last = k
-            while last < len(pieces) and pieces[last][2][r] >= margin and _joins(pieces, k, last):
+            while last < len(pieces) and pieces[last].slack[r] >= margin and _may_join(pieces, k, last):
                 last += 1
             reach.append(last)
         best = int(np.argmax(reach))
         last = max(reach[best], k + 1)
-        result.append(Stretch(pieces[k][0], pieces[last - 1][1], _normal(rows[best], n)))
+        result.append(Stretch(pieces[k].begin, pieces[last - 1].end, _normal(constraints[best], n)))
         k = last
     return result
 
 
-def _joins(pieces: list[Found], first: int, last: int) -> bool:
-    """Whether a piece may share a stretch with the first: both are whole segments, or it is the first."""
-    return first == last or all(pieces[k][1] - pieces[k][0] == 1 for k in (first, last))
+def _may_join(pieces: list[PieceSlack], first: int, last: int) -> bool:
+    """Return whether a piece may share a stretch with the first: both are whole segments, or it is the first."""
+    return first == last or all(pieces[k].end - pieces[k].begin == 1 for k in (first, last))

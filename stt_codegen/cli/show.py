@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from stt_codegen.certify.missions import sentence
+from stt_codegen.certify.missions import describe_entry
 from stt_codegen.compare import Row
 from stt_codegen.decimals import by_component
 from stt_codegen.loop import RunReport
@@ -100,7 +100,7 @@ def _show_properties(console: Any, report: DesignReport) -> None:
         table.add_row(f"{p.title} ({p.property})", p.statement, holds, f"{p.margin:.3g}" if p.margin else "", p.where)
     console.print(table)
     for proof in report.mission:
-        _indented(console, f"mission {proof.entry}, {escape(sentence(proof))}")
+        _indented(console, f"mission {proof.entry}, {escape(describe_entry(proof))}")
 
 
 def show_trade(report: TradeReport) -> None:

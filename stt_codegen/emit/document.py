@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.certify import Certificate, Claim, Finding, MissionProof, PeriodProof, claims_of, cuts_of
+from stt_codegen.certify import Certificate, Finding, MissionProof, PeriodProof, SlackClaim, claims_of, cuts_of
 from stt_codegen.certify.missions import SLICES
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.design_kinds import DesignKind
@@ -72,7 +72,7 @@ def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[
         **({} if task.order == 1 else _filter(design, certificate)),
         "speed": [int(v) for v in rates],
         "start": [[int(a), int(b)] for a, b in bezier[0, :, :, 0]],
-        "covers_initial_set": certificate.whole_start,
+        "covers_initial_set": certificate.covers_initial_set,
         "control": _control(task),
         **({"clock": _clock(task)} if task.has_timed_sets else {}),
         "claims": [_claim(claim, cuts) for claim in claims],
@@ -88,7 +88,7 @@ def _filter(design: RefinedDesign, certificate: Certificate) -> dict[str, Any]:
     return {"filter": [str(v) for v in design.filter], "rate_error": wrong}
 
 
-def _claim(claim: Claim, cuts: int) -> dict[str, Any]:
+def _claim(claim: SlackClaim, cuts: int) -> dict[str, Any]:
     """One claim; times in parts of a segment."""
     entry: dict[str, Any] = {"property": claim.subject.code}
     if claim.name is not None:
@@ -154,11 +154,11 @@ def _decimals(task: Task, design: AdaptiveDesign, certificate: Certificate) -> d
             "lower": [_inward(a, b - a, 1) for a, b in certificate.start],
             "upper": [_inward(b, b - a, -1) for a, b in certificate.start],
         },
-        "covers_initial_set": certificate.whole_start,
+        "covers_initial_set": certificate.covers_initial_set,
         "control": {
             name: value if value is None else [decimal(Fraction(v)) for v in value] for name, value in _control(task).items()
         },
-        "least_width": below(certificate.least_width, digits),
+        "least_width": below(certificate.minimum_width, digits),
         "speed_bound": [above(v, digits) for v in certificate.speed],
         "edge_error_bound": [above(v) for v in certificate.edge_error],
         **steps,

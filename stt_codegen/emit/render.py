@@ -9,7 +9,7 @@ import textwrap
 from typing import Any
 
 from stt_codegen.certify import Certificate, Cycle
-from stt_codegen.certify.missions import cycle_of, phases, sentence, served
+from stt_codegen.certify.missions import cycle_of, describe_entry, phases, served_entries
 from stt_codegen.controller import start_share
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import Design, require_refined
@@ -149,7 +149,7 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
                 f"It holds for alpha_init at t = 0 and then alpha_step with every dt from {shortest} to {longest} s, each"
             )
             lines.append("step from the t where the last one ended, and so on after t_c. In a slower loop take several a period.")
-        if not certificate.whole_start:
+        if not certificate.covers_initial_set:
             lines.append("It starts on a part of the initial set only: see `start` in the certificate.")
         if certificate.proved_period is not None:
             (of_period,) = (f for f in certificate.findings if f.subject is Property.PERIOD)
@@ -173,7 +173,10 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
         "*** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***",
         "This controller was written with --uncertified. Do not run it on a machine. "
         + ("What fails:" if certificate.failures else f"{Property.WIDTH.code} to {Property.SMOOTH.code} hold at samples;"),
-        *(f"  {f.code} {f.subject.word}{' at ' + f.place(certificate.axes) if f.place() else ''}" for f in certificate.failures),
+        *(
+            f"  {f.code} {f.subject.word}{' at ' + f.location(certificate.axes) if f.location() else ''}"
+            for f in certificate.failures
+        ),
         *(["between the samples nothing is proved."] if not certificate.failures else []),
     ]
 
@@ -199,7 +202,7 @@ def _entries(task: Task, certificate: Certificate) -> list[str]:
     """Every entry of the mission with the times at which the tube serves it."""
     if certificate.mission is None:
         return []
-    found = [f"{one.entry} {sentence(one)}" for one in served(task, certificate.mission)]
+    found = [f"{one.entry} {describe_entry(one)}" for one in served_entries(task, certificate.mission)]
     return [line for text in found for line in textwrap.wrap(text, 115, subsequent_indent="  ")]
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.certify import Lines
+from stt_codegen.certify import MovingBounds
 from stt_codegen.constraints import Avoidance, Constraint, avoidances
 from stt_codegen.task import Task
 
@@ -29,9 +29,9 @@ def bounds_over(one: Avoidance, t: Array) -> Array:
     found = np.full((len(one.alternatives), len(t)), -np.inf)
     keep = np.array([float(row.clearance) for row in one.alternatives])[:, None]
     for leg in one.course.legs:
-        lines = Lines.of(one, leg)
+        lines = MovingBounds.of(one, leg)
         here = (t >= float(leg.begin)) & (t <= float(leg.end))
-        constant, slope = ((v / lines.whole).astype(float)[..., None] for v in (lines.constant, lines.slope))
+        constant, slope = ((v / lines.denominator).astype(float)[..., None] for v in (lines.constant, lines.slope))
         found[:, here] = np.maximum(found[:, here], (constant + slope * t[here]).max(axis=1) - keep)
     return found
 

@@ -12,7 +12,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from stt_codegen.certify.missions import Served, served
+from stt_codegen.certify.missions import ServedEntry, served_entries
 from stt_codegen.errors import SttError
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program import COST_KINDS
@@ -81,7 +81,7 @@ class DesignReport:
     input: Input
     cost: Cost
     picture: str | None = None
-    mission: tuple[Served, ...] = ()
+    mission: tuple[ServedEntry, ...] = ()
     cycle: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
     start_left_out: tuple[float, ...] = ()
@@ -109,7 +109,7 @@ def design_report(controller: EmittedController, seconds: float) -> DesignReport
             statement=f.statement,
             holds=f.holds,
             margin=float(f.margin),
-            where=f.place(certificate.axes),
+            where=f.location(certificate.axes),
         )
         for f in certificate.findings
     )
@@ -122,16 +122,16 @@ def design_report(controller: EmittedController, seconds: float) -> DesignReport
         prescribed_time=float(task.prescribed_time),
         parameters=design.size,
         method=certificate.method,
-        least_width=float(certificate.least_width),
+        least_width=float(certificate.minimum_width),
         speed_bound=tuple(float(v) for v in certificate.speed),
-        covers_initial_set=certificate.whole_start,
+        covers_initial_set=certificate.covers_initial_set,
         axes=task.axis_names,
         units=task.units or ("",) * task.dimension,
         properties=properties,
         input=input_report(controller),
         cost=cost_report(controller),
         picture=None,
-        mission=() if certificate.mission is None else served(task, certificate.mission),
+        mission=() if certificate.mission is None else served_entries(task, certificate.mission),
         cycle=None if cycle is None else (float(cycle.begin), float(cycle.end)),
         notes=task_notes(task),
         start_left_out=tuple(
@@ -155,7 +155,7 @@ def input_report(controller: EmittedController) -> Input:
 
 def clamp_input(controller: EmittedController) -> float | None:
     """|u| at the clamp where the tube is narrowest; None for an empty tube."""
-    task, width = controller.task, float(controller.certificate.least_width)
+    task, width = controller.task, float(controller.certificate.minimum_width)
     if width <= 0:
         return None
     rounding = 1 + 2.0**-18  # more than the emitted law's own

@@ -86,7 +86,7 @@ def _trade(controller: EmittedController, preferred: tuple[str, ...]) -> Trade:
         best = None if analysis.period is None else (analysis.setting.law.gain, analysis.period)
     return Trade(
         segments=controller.design.parts,
-        least_width=float(certificate.least_width),
+        least_width=float(certificate.minimum_width),
         speed=float(max(certificate.speed)),
         period=None if best is None else best[1].seconds,
         gain=None if best is None else tuple(best[0].tolist()),

@@ -66,7 +66,7 @@ class Period:
 
 
 @dataclass(frozen=True)
-class Search:
+class SearchEffort:
     """The effort of a search: values of E on a grid, grids (each around the best of the last), and halvings of tau for each."""
 
     values: int
@@ -74,7 +74,7 @@ class Search:
     halvings: int
 
 
-FINE, COARSE = Search(32, 2, 24), Search(32, 1, 12)  # for proofs; for comparing gains
+FINE, COARSE = SearchEffort(32, 2, 24), SearchEffort(32, 1, 12)  # for proofs; for comparing gains
 
 
 def holds(kind: str, loop: SampledLoop, eps_bound: Array, tau: float) -> bool:
@@ -176,8 +176,8 @@ def _largest_eps_bound(kind: str, loop: SampledLoop) -> Array:
 # ------------------------------------------------------------------------------------------- search
 
 
-def period_candidate(kind: str, loop: SampledLoop, search: Search = FINE) -> PeriodCandidate | None:
-    """Search for the longest period in doubles: tau by halving, then again with values of E around the best."""
+def period_candidate(kind: str, loop: SampledLoop, search: SearchEffort = FINE) -> PeriodCandidate | None:
+    """SearchEffort for the longest period in doubles: tau by halving, then again with values of E around the best."""
     best: PeriodCandidate | None = None
     grid = _first_grid(kind, loop, search)
     for _ in range(search.rounds):
@@ -189,7 +189,7 @@ def period_candidate(kind: str, loop: SampledLoop, search: Search = FINE) -> Per
 
 
 def smallest_bound_candidate(kind: str, loop: SampledLoop, tau: float) -> Array | None:
-    """Search for the smallest E for tau seconds in doubles."""
+    """SearchEffort for the smallest E for tau seconds in doubles."""
     eps_bound: Array | None = None
     grid = _first_grid(kind, loop, FINE)
     for _ in range(FINE.rounds):
@@ -212,7 +212,7 @@ class _Grid:
         raise NotImplementedError
 
     def longest(self, halvings: int) -> PeriodCandidate | None:
-        """Search for the largest tau by halving, and an E for it."""
+        """SearchEffort for the largest tau by halving, and an E for it."""
         best = self.smallest_bound(0.0)
         if best is None:
             return None
@@ -239,7 +239,7 @@ class _Grid:
         return replace(self, values=np.geomspace(low, high, last + 1))
 
 
-def _first_grid(kind: str, loop: SampledLoop, search: Search) -> _Grid | None:
+def _first_grid(kind: str, loop: SampledLoop, search: SearchEffort) -> _Grid | None:
     """Return a grid over the whole range of E; None where the range is empty."""
     low, high = np.maximum(_start_bound(kind, loop) * 1.0001, SMALLEST_EPS_BOUND), _largest_eps_bound(kind, loop) * 0.9999
     if not (np.isfinite(low).all() and (low < high).all()):

@@ -45,7 +45,7 @@ class Windows:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Extremes:
+class BezierExtremes:
     """Extremes of a refined tube's Bezier coefficients in each segment, and from t_c on: whole units of the table, (K + 1, n).
 
     step, width_step: the largest |difference| of neighbouring coefficients, of the edges and of the width. 3 K/t_c times a step
@@ -60,11 +60,11 @@ class Extremes:
     high: Array
 
 
-def extremes(design: RefinedDesign) -> Extremes:
+def extremes(design: RefinedDesign) -> BezierExtremes:
     """Return the extremes of every segment, int64; they are below 6 * 2^50, so doubles hold them exactly."""
     bezier = design.windows()
     width = bezier[:, :, UPPER] - bezier[:, :, LOWER]
-    return Extremes(
+    return BezierExtremes(
         narrow=width.min(axis=-1),
         wide=width.max(axis=-1),
         step=np.abs(np.diff(bezier, axis=-1)).max(axis=(2, 3)),

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stt_codegen.certify.adaptive.finder import Finder
-from stt_codegen.certify.slack import RowBlock, least_slack
+from stt_codegen.certify.slack import ConstraintBlock, smallest_slack
 from stt_codegen.constraints import (
     Avoidance,
     Constraint,
@@ -66,7 +66,7 @@ PLACES = [Fraction(k, 24) for k in range(25)]
 def test_the_least_slack_is_below_every_value_and_near_the_least(design: RefinedDesign, row: Constraint, error: int) -> None:
     """Where a row fails, what is told is met at the place that is told; where it holds with the error, no value lacks it."""
     needed = Fraction(error, 7)
-    found = least_slack(design.bezier(), RowBlock.of([row], design.unit), needed)
+    found = smallest_slack(design.bezier(), ConstraintBlock.of([row], design.unit), needed)
     values = {(k, s): exact(row, design, k, s) for k in range(6) for s in PLACES}
     if found.slack >= needed * row.distance_error:
         assert min(values.values()) >= found.slack
@@ -93,12 +93,13 @@ def test_the_least_slack_is_below_every_value_and_near_the_least(design: Refined
 def test_of_a_choice_the_best_row_counts_and_of_sets_the_worst(design: RefinedDesign, several: list[Constraint]) -> None:
     one, rest = Avoidance("one", tuple(several[:1])), Avoidance("rest", tuple(several[1:]))
     low = Fraction(-(10**6))
-    both = least_slack(design.bezier(), RowBlock.choice([one, rest], design.unit), low)
-    each = [least_slack(design.bezier(), RowBlock.choice([s], design.unit), low) for s in (one, rest)]
+    both = smallest_slack(design.bezier(), ConstraintBlock.choice([one, rest], design.unit), low)
+    each = [smallest_slack(design.bezier(), ConstraintBlock.choice([s], design.unit), low) for s in (one, rest)]
     assert both.slack == min(e.slack for e in each)
-    assert each[both.choice].slack == both.slack  # of equals either may be named
+    assert each[both.set_index].slack == both.slack  # of equals either may be named
     assert (
-        each[1].slack >= max(least_slack(design.bezier(), RowBlock.of([r], design.unit), low).slack for r in several[1:])
+        each[1].slack
+        >= max(smallest_slack(design.bezier(), ConstraintBlock.of([r], design.unit), low).slack for r in several[1:])
         or len(several) > 2
     )
 
@@ -109,7 +110,9 @@ def test_a_fault_in_the_second_half_of_a_segment_is_met() -> None:
     design = RefinedDesign(Fraction(1), 6, 0, tuple(((v, 40), (0, 40)) for v in dip))
     row = Constraint(((0, LOWER, 1),), Fraction(0))
     for bound in range(-14, 0):
-        found = least_slack(design.bezier(), RowBlock.of([Constraint(row.terms, Fraction(bound))], design.unit), Fraction(0))
+        found = smallest_slack(
+            design.bezier(), ConstraintBlock.of([Constraint(row.terms, Fraction(bound))], design.unit), Fraction(0)
+        )
         least = min(exact(Constraint(row.terms, Fraction(bound)), design, k, s) for k in range(6) for s in PLACES)
         assert (found.slack >= 0) == (least >= 0)
 

@@ -139,10 +139,10 @@ def test_p7_is_the_least_room_above_what_is_required() -> None:
 
 def test_the_whole_start_is_claimed_only_where_it_is_covered() -> None:
     controller = controller_of("omni_s1")
-    assert controller.certificate.whole_start
+    assert controller.certificate.covers_initial_set
     wider = controller.task.initial_set.model_copy(update={"upper": (Fraction("0.51"), Fraction(5))})
     task = controller.task.model_copy(update={"initial_set": wider})
-    assert not certify_refined(task, controller.design, controller.certificate.edge_error).whole_start
+    assert not certify_refined(task, controller.design, controller.certificate.edge_error).covers_initial_set
 
 
 @pytest.mark.parametrize(("scalar", "bits"), [("float", 24), ("double", 50)])

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 import stt_codegen as stt
 from stt_codegen.certify import checker
-from stt_codegen.certify.filtered_findings import allowance, filtered_width, spare_acceleration, starts
+from stt_codegen.certify.filtered_findings import distance_errors, filtered_width_slack, input_slack, start_slack
 from stt_codegen.compare.comparison import compare
 from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges
@@ -116,7 +116,7 @@ def test_what_is_certified_is_what_dense_sampling_sees(name: str) -> None:
     low, high, low_rate, high_rate, low_bend, high_bend = edges(design, t)
     value = np.array([float(v) for v in design.filter])
     room = ((high_rate - low_rate) + value * (high - low)).min()
-    slack = filtered_width(design)
+    slack = filtered_width_slack(design)
     assert float(slack.units * slack.unit) <= room + 1e-9
     assert float(slack.units * slack.unit) >= 0.9 * room - 1e-5
     assert (low_rate[0] <= 1e-12).all()
@@ -124,7 +124,7 @@ def test_what_is_certified_is_what_dense_sampling_sees(name: str) -> None:
     for ends in (low_rate, high_rate, low_bend, high_bend):
         assert np.abs(ends[-1]).max() < 1e-9  # it stands from t_c on, with no jump in the acceleration
     asked = np.maximum(value**2 * (high - low) + low_bend, value**2 * (high - low) - high_bend).max(axis=0)
-    spare = spare_acceleration(task, design)
+    spare = input_slack(task, design)
     if spare is not None:
         left = np.array([float(v) for v in task.u_max or ()]) - float(task.plant.w_max or 0) - asked
         assert 0 < float(spare.units * spare.unit) <= left.min() + 1e-6
@@ -170,8 +170,8 @@ def test_limits_on_the_edges_are_kept() -> None:
 
 def test_starts_that_move_are_covered_up_to_the_speed_that_is_stated() -> None:
     controller = made("moving starts")
-    wrong = allowance(controller.design, controller.certificate.edge_error, controller.certificate.rate_error)  # type: ignore[arg-type]
-    slack = starts(controller.task, controller.design, wrong)  # type: ignore[arg-type]
+    wrong = distance_errors(controller.design, controller.certificate.edge_error, controller.certificate.rate_error)  # type: ignore[arg-type]
+    slack = start_slack(controller.task, controller.design, wrong)  # type: ignore[arg-type]
     assert slack.units >= 0
     faster = parse_task(text_of("moving starts").replace("speed = 0.02", "speed = 0.3"))
     with pytest.raises(NotCertified, match="lower initial_set.speed"):

@@ -246,9 +246,9 @@ def test_a_state_at_the_very_edge_of_the_initial_set_is_refused() -> None:
 
 def test_an_unsafe_set_beside_the_start_costs_a_part_of_the_start_and_says_so() -> None:
     controller = built(parse_task(EMPTY + unsafe("near", [0.2, 1.01], [0.8, 1.6])))
-    assert not controller.certificate.whole_start
+    assert not controller.certificate.covers_initial_set
     assert controller.certificate.start[1][1] <= Fraction("0.98")
-    assert controller_of("empty").certificate.whole_start
+    assert controller_of("empty").certificate.covers_initial_set
 
 
 def test_what_a_refusal_names_does() -> None:

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 from benchmarks.mission_mutants import judged
 from benchmarks.suites.scenarios import FAMILIES, random_mission
 from stt_codegen.certify import checker
-from stt_codegen.certify.missions.schedule import phases, sentence, served
+from stt_codegen.certify.missions.schedule import describe_entry, phases, served_entries
 from stt_codegen.certify.monitor import holds, satisfied
 from stt_codegen.constraints import mission_avoidances
 from stt_codegen.designs.refined import RefinedDesign
@@ -339,8 +339,8 @@ def test_the_page_shows_what_design_prints(tmp_path: Path) -> None:
     shown = controller.certificate.mission
     assert shown is not None
     page = (ROOT / "docs" / "missions.md").read_text()
-    for one in served(controller.task, shown):
-        assert f"    mission {one.entry}, {sentence(one)}\n" in page
+    for one in served_entries(controller.task, shown):
+        assert f"    mission {one.entry}, {describe_entry(one)}\n" in page
 
 
 def test_phases_follow_the_visits() -> None:

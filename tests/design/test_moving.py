@@ -16,7 +16,7 @@ from benchmarks.moving import leaves_a_way, movers, task_of
 from benchmarks.mutants.tubes import MOVING
 from benchmarks.mutations import judge
 from benchmarks.oracles.tubes import first_fault
-from stt_codegen.certify.moving_slack import FREE, Lines, MovingBlock, cut
+from stt_codegen.certify.moving_slack import UNREQUIRED_SLACK, MovingBlock, MovingBounds, cut
 from stt_codegen.constraints import avoidances
 from stt_codegen.design.refine import refine
 from stt_codegen.emit.render import render
@@ -183,16 +183,18 @@ def test_a_bound_in_whole_units_is_the_least_that_is_no_less() -> None:
     per = Fraction(design.segments) / design.prescribed_time
     for one in avoidances(controller.task):
         assert one.course is not None
-        block = MovingBlock.moving(one, design)
-        whole = block.told(design.bezier())
+        block = MovingBlock.of_set(one, design)
+        whole = block.slack_by_constraint(design.bezier())
         for _ in range(12):
             k = draw.randrange(design.segments)
             begin, length = Fraction(k) + Fraction(draw.randrange(8), 8), Fraction(1, 8)
             piece = cut(design.bezier()[k].astype(object) * Fraction(1), begin - k, begin - k + length)
-            told = block.told(piece[None], begin, length)[0]
-            assert (told >= whole[k] - 1).all() or (told == FREE).any()  # a part has at least what the whole has, but for a unit
+            told = block.slack_by_constraint(piece[None], begin, length)[0]
+            assert (told >= whole[k] - 1).all() or (
+                told == UNREQUIRED_SLACK
+            ).any()  # a part has at least what the whole has, but for a unit
             legs = [leg for leg in one.course.legs if leg.begin * per < begin + length and leg.end * per > begin]
-            assert (told == FREE).all() == (not legs)
+            assert (told == UNREQUIRED_SLACK).all() == (not legs)
             for leg in legs:
                 a, b = max(leg.begin * per, begin), min(leg.end * per, begin + length)
                 part = cut(piece, (a - begin) / length, (b - begin) / length)
@@ -210,7 +212,7 @@ def test_a_bound_in_whole_units_is_the_least_that_is_no_less() -> None:
 
 def test_a_slope_beyond_64_bits_is_no_trouble_at_time_0() -> None:
     """At time 0 the slope counts for nothing, and is there all the same."""
-    steep = Lines(Fraction(0), Fraction(1), np.array([[3]], dtype=object), np.array([[2**70]], dtype=object), 1)
+    steep = MovingBounds(Fraction(0), Fraction(1), np.array([[3]], dtype=object), np.array([[2**70]], dtype=object), 1)
     assert steep.bounds(np.array([[0, 0, 0, 0]]), 1).tolist() == [[[3] * 4]]
     assert steep.bounds(np.array([[0, 1, 2, 3]]), 3).tolist() == [[[3 + -(-k * 2**70 // 3) for k in range(4)]]]
 

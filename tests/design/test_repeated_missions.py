@@ -198,7 +198,7 @@ def test_the_margin_in_time_covers_a_clock_that_is_off_in_every_cycle(case: Any,
     assert any(a <= 0 <= b for a, b in theirs) == found, str(stated)
     if found and abs(off) <= margin:  # in the unrolled signal everything so much later
         shift = Fraction(off, 2)
-        later = {s: [(a + shift, b + shift) for a, b in cycle.doubled(spans)] for s, spans in proved.items()}
+        later = {s: [(a + shift, b + shift) for a, b in cycle.repeat_once(spans)] for s, spans in proved.items()}
         one_on = Cycle(Fraction(END) + shift, Fraction(END) + cycle.length + shift)
         assert holds(stated, {s: [(a if a > 0 else -float("inf"), b) for a, b in v] for s, v in later.items()}, cycle=one_on)
 

@@ -428,7 +428,7 @@ def test_the_papers_rule_collides_in_its_own_case_study_whichever_sides_are_draw
     task = task.model_copy(update={"tube": task.tube.model_copy(update={"seed": seed, "clearance": Fraction(0)})})
     certificate = falsify(task, design_literal(task))
     assert "P4" in {f.code for f in certificate.failures}
-    assert 0.012 < certificate.least_width < 0.075
+    assert 0.012 < certificate.minimum_width < 0.075
     assert 90 < max(certificate.speed) < 300
 
 

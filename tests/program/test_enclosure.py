@@ -25,7 +25,7 @@ from stt_codegen.certify.adaptive.enclosure import (
     steps_of,
 )
 from stt_codegen.certify.adaptive.falsification import falsify
-from stt_codegen.certify.adaptive.lines import HIGH, LOW, Lines
+from stt_codegen.certify.adaptive.lines import HIGH, LOW, LineBounds
 from stt_codegen.certify.adaptive.slopes import speed_bound, steepest_slope
 from stt_codegen.controller.probes import lines_program
 from stt_codegen.designs import grid_tube
@@ -54,7 +54,7 @@ def made(name: str, design: str, scalar: str = "float") -> EmittedController:
 
 
 @cache
-def enclosed(name: str, scalar: str = "float", division: int = 2000) -> tuple[Lines, np.ndarray, np.ndarray]:
+def enclosed(name: str, scalar: str = "float", division: int = 2000) -> tuple[LineBounds, np.ndarray, np.ndarray]:
     """Cells, alpha and gamma of a task's adaptive tube."""
     controller = made(name, "adaptive", scalar)
     task, design = controller.task, controller.design

@@ -706,19 +706,19 @@ def test_a_period_in_which_a_turn_may_be_lost_is_refused(monkeypatch: Any, tmp_p
     run = Loop(controller, plant_of("integrator", 2)).run(Scenario(rate=100.0, disturbance="nearest", strength=0.1), trace=True)
     assert run.trace is not None
     yaw = run.trace[:, 2]
-    assert 0 < np.abs(np.diff(yaw)).max() <= float(lost.moves)
+    assert 0 < np.abs(np.diff(yaw)).max() <= float(lost.motion)
     assert lost_turn(controller.task, design, proof) is None  # type: ignore[arg-type]
     finding, found = certify_period(task, design, controller.certificate.edge_error)  # type: ignore[arg-type]
     assert found is None
     assert not finding.holds
     assert "tells turns of axis yaw apart; lower control.period" in finding.advice
-    task._closed_axes = (dataclasses.replace(axis, largest_step=lost.moves + Fraction(1, 10**9)),)
+    task._closed_axes = (dataclasses.replace(axis, largest_step=lost.motion + Fraction(1, 10**9)),)
     assert lost_turn(task, design, proof) is None  # type: ignore[arg-type]
     noise = checker.Turns.noise
 
     def less(self: Any, *given: Any) -> Fraction:
         found = noise(self, *given)
-        self.steps = {1: lost.moves - Fraction(1, 10**9)}
+        self.steps = {1: lost.motion - Fraction(1, 10**9)}
         return found
 
     monkeypatch.setattr(checker.Turns, "noise", less)

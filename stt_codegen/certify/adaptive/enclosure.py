@@ -1,13 +1,13 @@
-"""P1 to P7 for an adaptive or literal tube by enclosures: a proof for every t, every cell of time being one ball.
+"""P1 to P7 for an adaptive or literal tube by enclosures: a proof for every t, with each cell of time as one ball.
 
     rho, beta, psi   ball arithmetic (Arb) over the kernels that are printed, roundings included
     alpha            two curves that hold for (11) and for every sequence of emitted steps (alpha_curves.py)
-    gamma            (10) is monotone in rho, alpha and beta: its ends are its values at theirs, by Arb, and widened by
+    gamma            (10) is monotone in rho, alpha and beta: its ends are its values at their ends, by Arb, widened by
                      the rounding of the printed kernel (rounding.py)
     gammadot         the steepest slope of each circumvent function by Arb, that of sigma, and a bound on alphadot
 
-Time is cut so that no edge of rho or beta moves by more than a fraction of the tube's width in one cell. What is proved holds
-for the emitted arithmetic, in C and in Python.
+Time is cut so that no edge of rho or beta moves by more than a fraction of the tube's width in one cell. The proof holds for the
+emitted arithmetic, in C and in Python. The lemmas `update.*` are about alpha.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ import numpy.typing as npt
 from flint import arb
 
 from stt_codegen import reference
-from stt_codegen.certify.adaptive.alpha_curves import Steps, ahead, lower_curve, upper_curve
+from stt_codegen.certify.adaptive.alpha_curves import Steps, extremes_ahead, lower_curve, upper_curve
 from stt_codegen.certify.adaptive.finder import Finder, gap, lower_bound
-from stt_codegen.certify.adaptive.lines import HIGH, LOW, Lines, ends
+from stt_codegen.certify.adaptive.lines import HIGH, LOW, LineBounds, ends
 from stt_codegen.certify.adaptive.slopes import speed_bound
 from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.constraints import (
@@ -47,38 +47,50 @@ from stt_codegen.properties import Property
 from stt_codegen.sampling import Windows
 from stt_codegen.task import Task
 
-MOVE = 0.02  # of the narrowest start or target: how far an edge may move in one cell
-CELLS = 300  # at least, however slow the tube is
-LADDER = ((2000, 1.0), (8000, 1.0), (8000, 0.4))  # t_c over the longest step, and how much finer the cells
+CELL_MOTION = 0.02  # of the narrowest start or target: the largest motion of an edge in one cell
+CELL_COUNT_MINIMUM = 300
+LADDER = ((2000, 1.0), (8000, 1.0), (8000, 0.4))  # t_c over the longest step, and the length of cells over the usual
 STEP_RANGE = 16  # longest over shortest step
-THETA_ROUNDINGS = 256  # relative, of the emitted theta: 2 * 2 * 40 of the held exponent, those of exp, sum, quotient, and room
+# Of the emitted theta, relative: 2 * 2 * 40 of the limited exponent, those of exp, sum and quotient, and some more.
+THETA_ROUNDINGS = 256
 
 Array = npt.NDArray[Any]
-WINDOWS = 64  # of an enclosed tube, for the sampled statements
+WINDOW_COUNT_LIMIT = 64  # of an enclosed tube, for the sampling conditions
 OUT = 1 + 2.0**-48  # more than the few roundings of a product of doubles
-COARSE, HALVINGS = 3, 3  # how many times wider than MOVE a ball of psi may be, and how often its cell is halved for that
+BALL_WIDTH_LIMIT = 3  # times CELL_MOTION; where a ball of psi is wider, its cell is halved
+HALVING_LIMIT = 3  # of a cell
 NAMES = ("rho", "beta", "psi")
 TINY = 2.0**-100
 
 
 @dataclass(frozen=True)
 class Enclosed:
-    """What is known of a tube on one rung of the ladder: bounds over every cell on its lines, alpha and gamma (arrays as in
-    `Lines`), and the certificate that they make."""
+    """Bounds over every cell on a tube's lines, alpha and gamma (arrays as in `LineBounds`), and the certificate from them."""
 
-    lines: Lines
+    lines: LineBounds
     alpha: Array
     gamma: Array
     certificate: Certificate
 
 
+@dataclass(frozen=True, kw_only=True)
+class _TubeBounds:
+    """Bounds over every cell, and the rounding of the edges' kernel, from which the certificate follows."""
+
+    lines: LineBounds
+    alpha: Array
+    gamma: Array
+    error: Fraction
+    steps: Steps
+
+
 def certify_enclosed(task: Task, design: AdaptiveDesign) -> Certificate:
-    """Prove P1 to P7 of an adaptive or literal tube in balls: every finding that holds, holds for all t."""
+    """Certify P1 to P7 of an adaptive or literal tube in balls; every finding that holds, holds for all t."""
     return enclosed_tube(task, design).certificate
 
 
 def enclosed_tube(task: Task, design: AdaptiveDesign) -> Enclosed:
-    """The first rung of the ladder on which all properties hold, or the last."""
+    """Enclose a tube with finer and finer steps and cells, until all properties hold or the ladder ends."""
     program = lines_program(task, design)
     printed, exact = Enclosure(program, rounding=True), Enclosure(program, rounding=False)
     lines, finer = None, 0.0
@@ -88,15 +100,18 @@ def enclosed_tube(task: Task, design: AdaptiveDesign) -> Enclosed:
         steps = steps_of(design, task.emit.scalar, division)
         alpha = enclose_alpha(design, exact, lines, steps)
         gamma, error = enclose_edges(task, design, exact, lines, alpha)
-        found = Enclosed(lines, alpha, gamma, _certificate(task, design, exact, lines, alpha, (gamma, error), steps))
-        if found.certificate.holds:
+        bounds = _TubeBounds(lines=lines, alpha=alpha, gamma=gamma, error=error, steps=steps)
+        enclosed = Enclosed(lines, alpha, gamma, _certificate(task, design, exact, bounds))
+        if enclosed.certificate.holds:
             break
-    return found
+    return enclosed
 
 
 def steps_of(design: AdaptiveDesign, scalar: str, division: int) -> Steps:
-    """Steps from t_c / (16 division) to t_c / division, as short decimals. Each begins where the last one ended, to within 4
-    units in the last place of t_c."""
+    """Return steps from t_c / (STEP_RANGE division) to t_c / division, as short decimals.
+
+    Each begins where the last one ended, to within 4 units in the last place of t_c.
+    """
     t_c, roundoff = float(design.prescribed_time), float(FORMATS[scalar].roundoff)
     shortest, longest = (Fraction(f"{t_c / division / share:.2g}") for share in (STEP_RANGE, 1))
     return Steps(shortest, longest, 8 * roundoff * t_c, roundoff)
@@ -106,15 +121,15 @@ def steps_of(design: AdaptiveDesign, scalar: str, division: int) -> Steps:
 
 
 def cells_of(design: AdaptiveDesign, fine: float) -> Array:
-    """Cell boundaries from 0 to t_c, close where rho or beta move fast; on a grid of t_c / 2**24."""
+    """Return cell boundaries from 0 to t_c, close where rho or beta move fast; on a grid of t_c / 2**24."""
     p = parameters_of(design)
     grid = np.linspace(0.0, 1.0, 8193)
     now = reference.lines(p, grid * float(design.prescribed_time))
     moved = np.maximum(np.abs(np.diff(now.rho, axis=0)), np.abs(np.diff(now.beta, axis=0))).max(axis=(1, 2)).astype(float)
-    share = moved / (MOVE * fine * _narrowest(design)) + CELLS / fine / len(moved)
+    share = moved / (CELL_MOTION * fine * _narrowest(design)) + CELL_COUNT_MINIMUM / fine / len(moved)
     total = np.concatenate([[0.0], np.cumsum(share)])
     cuts = np.interp(np.linspace(0.0, total[-1], math.ceil(total[-1]) + 1), total, grid)
-    fine_cuts = np.rint(np.append(cuts, 2.0**-20) * 2**24)  # a short first cell, so that P2 speaks about gamma(0)
+    fine_cuts = np.rint(np.append(cuts, 2.0**-20) * 2**24)  # a short first cell, because P2 is about gamma(0)
     return np.unique(fine_cuts) / 2**24 * float(design.prescribed_time)
 
 
@@ -122,35 +137,41 @@ def _narrowest(design: AdaptiveDesign) -> float:
     return min(float(b - a) for edges in (design.start, design.target) for a, b in edges)
 
 
-def enclose_lines(design: AdaptiveDesign, printed: Enclosure, fine: float) -> Lines:
-    """rho, beta and psi over every cell, for the emitted arithmetic and every t within rounding of the cell."""
+def enclose_lines(design: AdaptiveDesign, printed: Enclosure, fine: float) -> LineBounds:
+    """Return bounds on rho, beta and psi over every cell, for the emitted arithmetic and every t within rounding of the cell."""
     times = cells_of(design, fine)
     late = float(design.prescribed_time) * 8 * float(FORMATS[printed.program.scalar].roundoff)
-    coarse = COARSE * MOVE * fine * _narrowest(design)
-    found = [_lines_in(printed, max(a - late, 0.0), b + late, coarse) for a, b in itertools.pairwise(times.tolist())]
-    found.append(_lines_in(printed, times[-1] - late, times[-1] + late, coarse))
+    width_limit = BALL_WIDTH_LIMIT * CELL_MOTION * fine * _narrowest(design)
+    cells = [_lines_in(printed, max(a - late, 0.0), b + late, width_limit) for a, b in itertools.pairwise(times.tolist())]
+    cells.append(_lines_in(printed, times[-1] - late, times[-1] + late, width_limit))
     n = design.dimension
-    parts = np.array(found).reshape(len(found), len(NAMES), 2, n, 2).transpose(1, 0, 3, 2, 4)
-    return Lines(times, *parts)
+    parts = np.array(cells).reshape(len(cells), len(NAMES), 2, n, 2).transpose(1, 0, 3, 2, 4)
+    return LineBounds(times, *parts)
 
 
-def _lines_in(printed: Enclosure, begin: float, end: float, coarse: float, depth: int = 0) -> Array:
-    """Ends of rho, beta and psi over one cell, shape (3 * 2n, 2); halved where the balls are wider than `coarse`, as where
-    bumps are joined."""
-    found = printed.run("lines", t=hull(begin, end))[0]
-    bounds = np.array([ends(value) for name in NAMES for value in found[name]])
-    if depth < HALVINGS and not (bounds[:, HIGH] - bounds[:, LOW]).max() < coarse:
+def _lines_in(printed: Enclosure, begin: float, end: float, width_limit: float, depth: int = 0) -> Array:
+    """Return the ends of rho, beta and psi over one cell, shape (3 * 2n, 2).
+
+    The cell is halved where balls are wider than width_limit, for example where bumps are joined.
+    """
+    balls = printed.run("lines", t=hull(begin, end))[0]
+    bounds = np.array([ends(value) for name in NAMES for value in balls[name]])
+    if depth < HALVING_LIMIT and not (bounds[:, HIGH] - bounds[:, LOW]).max() < width_limit:
         middle = (begin + end) / 2
-        halves = _lines_in(printed, begin, middle, coarse, depth + 1), _lines_in(printed, middle, end, coarse, depth + 1)
+        halves = tuple(_lines_in(printed, a, b, width_limit, depth + 1) for a, b in ((begin, middle), (middle, end)))
         return np.stack([np.minimum(*halves)[:, LOW], np.maximum(*halves)[:, HIGH]], axis=1)
     return bounds
 
 
-def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: Lines, steps: Steps) -> Array:
-    """Bounds on alpha over every cell, and last for all later times: shape (N + 1, n, 2, 2)."""
+def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: LineBounds, steps: Steps) -> Array:
+    """Return bounds on alpha over every cell, and last for all later times: shape (N + 1, n, 2, 2)."""
     result = np.zeros(lines.psi.shape)
-    least = np.concatenate([ahead(lines.times, lines.psi[:-1, :, :, LOW], steps.reach, False), lines.psi[-1:, :, :, LOW]])
-    most = np.concatenate([ahead(lines.times, lines.psi[:-1, :, :, HIGH], steps.reach, True), lines.psi[-1:, :, :, HIGH]])
+    low, high = (
+        np.concatenate(
+            [extremes_ahead(lines.times, lines.psi[:-1, :, :, end], steps.reach, end == HIGH), lines.psi[-1:, :, :, end]]
+        )
+        for end in (LOW, HIGH)
+    )
     scalar = exact.program.scalar
     constants = [ball(round_to(v, scalar)) for v in (design.theta0, design.mu, design.varsigma)]
     spread = THETA_ROUNDINGS * steps.roundoff
@@ -163,10 +184,10 @@ def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: Lines, steps:
         return ends(exact.kernel("theta", ball(psi), *constants)[0])
 
     for i, side in np.ndindex(*result.shape[1:3]):
-        low_psi, high_psi = least[:, i, side].tolist(), most[:, i, side].tolist()
+        low_psi, high_psi = low[:, i, side].tolist(), high[:, i, side].tolist()
         strong = [theta(v)[HIGH] * (1 + spread) for v in low_psi]
         weak = [theta(v)[LOW] * (1 - spread) for v in high_psi]
-        # the curves allow for relative roundings; TINY for what is lost where theta, q and alpha underflow
+        # the curves allow for relative roundings, and TINY for the underflow of theta, q and alpha
         result[:, i, side, HIGH] = np.array(upper_curve(times, low_psi, strong, kappa, steps)) + TINY * _narrowest(design)
         result[:, i, side, LOW] = np.maximum(
             np.array(lower_curve(times, high_psi, weak, kappa, steps)) - TINY * _narrowest(design), 0
@@ -177,8 +198,10 @@ def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: Lines, steps:
 # --------------------------------------------------------------------------------------------------- gamma
 
 
-def enclose_edges(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array) -> tuple[Array, Fraction]:
-    """gamma over every cell as the emitted `tube` gives it, shape (N + 1, n, 2, 2), and the rounding of its kernel.
+def enclose_edges(
+    task: Task, design: AdaptiveDesign, exact: Enclosure, lines: LineBounds, alpha: Array
+) -> tuple[Array, Fraction]:
+    """Return gamma over every cell as the emitted `tube` computes it, shape (N + 1, n, 2, 2), and the rounding of its kernel.
 
     gamma_L rises with rho and beta and falls with alpha_L, gamma_U rises with all three (weights in [0, 1]).
     """
@@ -196,7 +219,7 @@ def enclose_edges(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: L
 
 
 def edge_rounding(task: Task, design: AdaptiveDesign, exact: Enclosure) -> Fraction:
-    """How far the emitted kernel of an edge may be from (10) for the same rho, alpha and beta, in the task's units."""
+    """Bound the distance of an edge's emitted kernel from (10) for the same rho, alpha and beta, in the task's units."""
     size = max(abs(v) for edge in (*design.start, *design.target, *design.walls) for v in edge)
     size += max((b.height for b in design.bumps), default=Fraction(0)) * 2
     size *= 1 + 8 * FORMATS[task.emit.scalar].roundoff  # rho and beta are rounded themselves
@@ -209,52 +232,66 @@ def edge_rounding(task: Task, design: AdaptiveDesign, exact: Enclosure) -> Fract
 # ------------------------------------------------------------------------------------------------ findings
 
 
-def _certificate(
-    task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array, edges: tuple[Array, Fraction], steps: Steps
-) -> Certificate:
-    gamma, error = edges
-    speed = tuple(-lower_bound(-v) for v in speed_bound(task, design, exact, lines, alpha))
-    find = Finder(task, lines.times, gamma)
+def _certificate(task: Task, design: AdaptiveDesign, exact: Enclosure, bounds: _TubeBounds) -> Certificate:
+    """Return the certificate of an enclosed tube; a margin may be smaller than the true one, never larger."""
+    gamma, steps = bounds.gamma, bounds.steps
+    speed = tuple(-lower_bound(-v) for v in speed_bound(task, design, exact, bounds.lines, bounds.alpha))
+    finder = Finder(task, bounds.lines.times, gamma)
     width = gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])
-    least = minimum_width(task)
-    always, begin, end = slice(None), slice(0, 1), slice(-1, None)
-    limit, fastest = task.max_speed, ", ".join(f"{above(v, 4):g}" for v in speed)
-    seventh = (
+    wide = f"width >= {decimal(minimum_width(task))} in every dimension"
+    inside, within = "x(0) inside gamma(0)", "gamma(0) within the initial set"
+    begin, end = slice(0, 1), slice(-1, None)
+    return Certificate(
+        findings=(
+            finder.finding(width_constraints(task), Property.WIDTH, wide),
+            finder.finding(initial_state_constraints(task), Property.START, inside, cells=begin, advice=Property.START.advice),
+            finder.finding(start_constraints(task), Property.START, within, cells=begin),
+            finder.finding(stay_constraints(task), Property.STAY, "gamma within the state space"),
+            finder.avoid(),
+            finder.finding(reach_constraints(task), Property.REACH, "gamma(t_c) within the target set", cells=end),
+            _smooth_finding(task, speed),
+            Finding(Property.ARITHMETIC, _arithmetic_statement(task, steps), Fraction(0), Fraction(0)),
+        ),
+        edge_error=(bounds.error,) * task.dimension,
+        speed=speed,
+        minimum_width=lower_bound(width.min()),
+        start=tuple(
+            (lower_bound(a), lower_bound(b)) for a, b in zip(gamma[0, :, LOWER, HIGH], gamma[0, :, UPPER, LOW], strict=True)
+        ),
+        covers_initial_set=False,
+        method="enclosure",
+        steps=(steps.shortest, steps.longest),
+    )
+
+
+def _smooth_finding(task: Task, speed: tuple[Fraction, ...]) -> Finding:
+    """Return the finding of P6: the speed of the edges, within tube.max_speed where the task states it."""
+    fastest, limit = ", ".join(f"{above(v, 4):g}" for v in speed), task.max_speed
+    margin = Fraction(0) if limit is None else min(m - v for m, v in zip(limit, speed, strict=True))
+    advice = (
+        f"raise tube.max_speed to {by_component([above(v, 4) for v in speed])}, or use a refined tube: the "
+        "bound is not sharp here"
+    )
+    statement = f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}"
+    return Finding(Property.SMOOTH, statement, margin, Fraction(0), advice=advice)
+
+
+def _arithmetic_statement(task: Task, steps: Steps) -> str:
+    """Return the statement of P7, with the steps of alpha that it is proved for."""
+    return (
         f"{task.emit.scalar} arithmetic is within the enclosures; "
         f"alpha_step with dt from {decimal(steps.shortest)} to {decimal(steps.longest)} s, without gaps from t = 0 on"
     )
-    return Certificate(
-        findings=(
-            find.least(width_constraints(task), always, Property.WIDTH, f"width >= {decimal(least)} in every dimension"),
-            find.least(initial_state_constraints(task), begin, Property.START, "x(0) inside gamma(0)", Property.START.advice),
-            find.least(start_constraints(task), begin, Property.START, "gamma(0) within the initial set"),
-            find.least(stay_constraints(task), always, Property.STAY, "gamma within the state space"),
-            find.avoid(),
-            find.least(reach_constraints(task), end, Property.REACH, "gamma(t_c) within the target set"),
-            Finding(
-                Property.SMOOTH, f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}",
-                Fraction(0) if limit is None else min(m - v for m, v in zip(limit, speed, strict=True)), Fraction(0),
-                advice=f"raise tube.max_speed to {by_component([above(v, 4) for v in speed])}, or use a refined tube: the "
-                "bound is not sharp here",
-            ),
-            Finding(Property.ARITHMETIC, seventh, Fraction(0), Fraction(0)),
-        ),
-        edge_error=(error,) * task.dimension,
-        speed=speed,
-        least_width=lower_bound(width.min()),
-        start=tuple((lower_bound(a), lower_bound(b)) for a, b in zip(gamma[0, :, LOWER, HIGH], gamma[0, :, UPPER, LOW],
-        strict=True)), whole_start=False, method="enclosure", steps=(steps.shortest, steps.longest),
-    )  # fmt: skip
 
 
 # ------------------------------------------------------------------------------------------- time windows
 
 
 def enclosed_windows(tube: Enclosed) -> Windows:
-    """The tube in WINDOWS time windows, or as many as it has cells, for the sampled statements."""
+    """Return the tube in WINDOW_COUNT_LIMIT time windows, or as many as it has cells, for the sampling conditions."""
     times, gamma = tube.lines.times, tube.gamma
     count = len(times) - 1
-    cuts = np.unique(np.linspace(0, count, min(WINDOWS, count) + 1).astype(int))
+    cuts = np.unique(np.linspace(0, count, min(WINDOW_COUNT_LIMIT, count) + 1).astype(int))
     groups = [slice(a, b) for a, b in itertools.pairwise(cuts)] + [slice(count, count + 1)]
     low, high = gamma[:, :, LOWER], gamma[:, :, UPPER]  # (N + 1, n, 2 ends)
     speed = np.tile([float(v) * OUT for v in tube.certificate.speed], (len(groups), 1))

@@ -1,4 +1,4 @@
-"""From enclosures of a tube's edges to findings: rows and widths evaluated in doubles, every rounding to the safe side."""
+"""Findings from enclosures of a tube's edges: constraints evaluated in doubles, every rounding to the safe side."""
 
 from __future__ import annotations
 
@@ -22,79 +22,86 @@ Array = npt.NDArray[Any]
 SETTINGS = 'use tube.design = "refined", or other parameters in [tube.adaptive]'
 
 
-EXACT = 1 << 53  # whole numbers below this are doubles
+LARGEST_EXACT = 1 << 53  # whole numbers below this are doubles
 
 
 @dataclass(frozen=True)
 class Finder:
-    """Findings from the enclosure of gamma, shape (N + 1, n, 2 sides, 2 ends), over the cells between `times`."""
+    """The source of findings: an enclosure of gamma, (N + 1, n, 2 sides, 2 ends), over the cells between `times`."""
 
     task: Task
     times: Array
     gamma: Array
 
-    def slack(self, row: Constraint) -> Array:
-        """A lower bound on the slack of a row in every cell, as a distance: (N + 1,). Of an edge the end counts that makes it
-        least; every operation that may round is rounded down, and what is exact is not."""
-        left: Any = None
-        for i, side, c in row.terms:
-            edge = self.gamma[:, i, side, LOW if c > 0 else HIGH]
-            term = edge * c if abs(c) == 1 else _down(float(c) * edge, 1 if abs(c) < EXACT else 3)
-            left = term if left is None else _down(left + term, 1)
-        found = gap(double_above(row.bound + row.clearance), left)
-        found = (
-            found
-            if row.slack_per_distance == 1
-            else _down(found / float(row.slack_per_distance), 1 if row.slack_per_distance < EXACT else 3)
-        )
-        return np.where(np.isnan(found), -np.inf, found)  # where an enclosure says nothing, nothing is shown
+    def slack(self, constraint: Constraint) -> Array:
+        """Return a lower bound on the slack of a constraint in every cell, as a distance: (N + 1,).
 
-    def least(
-        self, rows: Sequence[Constraint], cells: slice, subject: Property, statement: str, advice: str = SETTINGS
+        Of each edge the end counts that makes the slack smallest. Operations that may round are rounded down; exact ones are not.
+        """
+        left: Any = None
+        for i, side, c in constraint.terms:
+            edge = self.gamma[:, i, side, LOW if c > 0 else HIGH]
+            term = edge * c if abs(c) == 1 else _down(float(c) * edge, 1 if abs(c) < LARGEST_EXACT else 3)
+            left = term if left is None else _down(left + term, 1)
+        slack = gap(double_above(constraint.bound + constraint.clearance), left)
+        divisor = constraint.slack_per_distance
+        slack = slack if divisor == 1 else _down(slack / float(divisor), 1 if divisor < LARGEST_EXACT else 3)
+        return np.where(np.isnan(slack), -np.inf, slack)  # where an enclosure is empty of information, nothing is proved
+
+    def finding(
+        self,
+        constraints: Sequence[Constraint],
+        subject: Property,
+        statement: str,
+        *,
+        cells: slice = slice(None),
+        advice: str = SETTINGS,
     ) -> Finding:
-        """The row that holds by least over some of the cells, as a finding."""
-        slack = np.stack([self.slack(row) for row in rows], axis=1)
+        """Return the finding of constraints that must all hold in some of the cells: the one with the smallest slack."""
+        slack = np.stack([self.slack(constraint) for constraint in constraints], axis=1)
         k, r = np.unravel_index(int(np.argmin(slack[cells])), slack[cells].shape)
-        first, dimension = range(len(slack))[cells][0], rows[int(r)].dimension
-        where = None if dimension is None else dimension + 1
-        found = lower_bound(slack[cells][k, r])
-        return Finding(subject, statement, found, Fraction(0), self.interval(first + int(k)), where, None, advice)
+        first, index = range(len(slack))[cells][0], constraints[int(r)].dimension
+        dimension = None if index is None else index + 1
+        margin, time = lower_bound(slack[cells][k, r]), self.interval(first + int(k))
+        return Finding(subject, statement, margin, Fraction(0), time, dimension, None, advice)
 
     def avoid(self) -> Finding:
-        """P4: in every cell the best row of each unsafe set."""
+        """Return the finding of P4: in every cell the best alternative of each unsafe set."""
         sets = avoidances(self.task)
         if not sets:
             return Finding(Property.AVOID, "there is no unsafe set", Fraction(0), Fraction(0))
         worst: tuple[float, int, str] = (math.inf, 0, "")
-        for one in sets:
-            slack = np.max([self.slack(row) for row in one.alternatives], axis=0)
+        for avoidance in sets:
+            slack = np.max([self.slack(constraint) for constraint in avoidance.alternatives], axis=0)
             k = int(np.argmin(slack))
-            worst = min(worst, (float(slack[k]), k, one.name))
-        slack_, k, name = worst
+            worst = min(worst, (float(slack[k]), k, avoidance.name))
+        margin, k, name = worst
         statement = f"gamma at least {decimal(self.task.tube.clearance)} from each of {len(sets)} unsafe sets"
-        return Finding(Property.AVOID, statement, lower_bound(slack_), Fraction(0), self.interval(k), None, name, SETTINGS)
+        return Finding(Property.AVOID, statement, lower_bound(margin), Fraction(0), self.interval(k), None, name, SETTINGS)
 
     def interval(self, cell: int) -> tuple[Fraction, Fraction]:
+        """Return the begin and the end of a cell, in seconds; the last one stands for all times from t_c on."""
         t_c = self.task.prescribed_time
         return (t_c, t_c) if cell >= len(self.times) - 1 else (lower_bound(self.times[cell]), lower_bound(self.times[cell + 1]))
 
 
 def _down(value: Any, steps: int) -> Array:
-    """So many doubles lower: one for each rounding, and two for a factor that is no double itself."""
+    """Return the double so many steps lower: one for each rounding, and two for a factor that is no double itself."""
     for _ in range(steps):
         value = np.nextafter(value, -np.inf)
     return np.asarray(value)
 
 
 def gap(low: Any, high: Any) -> Array:
-    """A lower bound on how far `high` is above `low`."""
+    """Return a lower bound on how far `high` is above `low`."""
     return np.asarray(np.nextafter(np.asarray(high, dtype=float) - low, -np.inf))
 
 
 def double_above(value: Fraction) -> float:
+    """Return a double above a fraction."""
     return math.nextafter(float(value), math.inf)
 
 
 def lower_bound(value: float) -> Fraction:
-    """A lower bound as a fraction; what could not be bounded counts as far below."""
+    """Return a lower bound as a fraction; an infinite or missing one counts as far below."""
     return Fraction(value) if math.isfinite(value) else Fraction(-(10**9))

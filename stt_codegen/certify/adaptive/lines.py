@@ -1,4 +1,4 @@
-"""What is enclosed of an adaptive or literal tube: bounds on rho, beta and psi over cells of time."""
+"""Enclosures of an adaptive or literal tube's rho, beta and psi over cells of time, which enclosure.py computes."""
 
 from __future__ import annotations
 
@@ -15,17 +15,20 @@ LOW, HIGH = 0, 1  # ends of an enclosure
 
 
 @dataclass(frozen=True)
-class Lines:
-    """Bounds over each cell, last those for all times from t_c on: arrays of shape (N + 1, n, 2 sides, 2 ends)."""
+class LineBounds:
+    """Bounds over each cell, and last for all times from t_c on: arrays of shape (N + 1, n, 2 sides, 2 ends).
 
-    times: Array  # (N + 1,) boundaries
+    times: cell boundaries, (N + 1,).
+    """
+
+    times: Array
     rho: Array
     beta: Array
     psi: Array
 
 
 def ends(value: Ball) -> tuple[float, float]:
-    """Doubles that enclose a ball; infinite where the ball is not finite."""
+    """Return two doubles that enclose a ball; infinite where the ball is not finite."""
     if not value.is_finite():
         return -math.inf, math.inf
     return math.nextafter(float(value.lower()), -math.inf), math.nextafter(float(value.upper()), math.inf)

@@ -1,7 +1,7 @@
 """Lemmas about the curves that enclose alpha: the code of `certify/adaptive/alpha_curves.py` run on symbols, cell by cell.
 
 A curve u above alpha needs a slope of at least F(psi, u) wherever a step may end; below alpha, at most that. `share` and `decay`
-include what rounding takes from a step, `rush` the error of time. book.py takes LEMMAS as a part of the family `update`.
+include what rounding takes from a step, `speed_factor` the error of time. book.py takes LEMMAS as a part of the family `update`.
 
 Long because each statement is about both curves, above and below, and a cell has three outcomes.
 """
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stt_codegen.certify.adaptive import SLACK, Cell, Curve, ahead, alpha_curves
+from stt_codegen.certify.adaptive import SLACK, Cell, Curve, alpha_curves, extremes_ahead
 from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression, recorded_comparisons
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 
@@ -71,7 +71,7 @@ def _prove_rounded() -> Outcome:
     for side in (1, -1):
         steps: Any = SimpleNamespace(
             roundoff=_evaluated("rho") * Fraction(1, alpha_curves.STEP_ROUNDINGS),
-            least=_evaluated("least"),
+            minimum=_evaluated("least"),
             late=_evaluated("late"),
             reach=_evaluated("reach"),
         )
@@ -82,7 +82,7 @@ def _prove_rounded() -> Outcome:
             f"side {side}: side": sp.sympify(curve.side) - side,
             f"side {side}: share": sp.cancel(curve.share.expression - loss),
             f"side {side}: -decay u": sp.cancel(-curve.decay.expression * u - exact * (1 - side * S)),
-            f"side {side}: rush": curve.rush.expression - (1 + 2 * V["late"] / V["least"] + S),
+            f"side {side}: rush": curve.speed_factor.expression - (1 + 2 * V["late"] / V["least"] + S),
             f"side {side}: reach": curve.reach.expression - reach,
         }
     z = sp.Symbol("z", positive=True)
@@ -111,16 +111,16 @@ def _check_steps() -> Outcome:
         shortest_end = shortest * (1 - 2 * Fraction(roundoff))
         if not (
             longest <= Fraction(steps.reach) <= longest * tolerance
-            and shortest_end / tolerance <= Fraction(steps.least) <= shortest_end
+            and shortest_end / tolerance <= Fraction(steps.minimum) <= shortest_end
         ):
-            failures.append(f"{steps}: {steps.least!r} to {steps.reach!r}")
+            failures.append(f"{steps}: {steps.minimum!r} to {steps.reach!r}")
     return outcome_of_cases(len(inputs), failures, "reach is above the longest step, least below the shortest")
 
 
 def _prove_rises() -> Outcome:
     """Prove what `cell` returns for a curve that leads away from alpha.
 
-    It moves at `rush` times the speed F, or jumps to where F is 0 or points back; it jumps, too, where z <= 0.
+    It moves at `speed_factor` times the speed F, or jumps to where F is 0 or points back; it jumps, too, where z <= 0.
     """
     differences: dict[str, Any] = {}
     failures: list[str] = []
@@ -159,8 +159,8 @@ def _prove_rises() -> Outcome:
 def _prove_falls() -> Outcome:
     """Prove what `cell` returns for a curve that leads back towards alpha: it goes no farther than an implicit step of the span.
 
-    The span is positive for rush < 2, and rush (2 - rush) is 1 - (rush - 1)^2. So a step for which time passes `rush` times as
-    fast falls no more than one of its own length.
+    The span is positive for rush < 2, and rush (2 - rush) is 1 - (rush - 1)^2. So a step for which time passes `speed_factor`
+    times as fast falls no more than one of its own length.
     """
     differences: dict[str, Any] = {}
     late_promises: dict[str, Any] = {}
@@ -316,13 +316,13 @@ def _check_both_curves() -> Outcome:
 
 
 def _check_ahead() -> Outcome:
-    """Compare `ahead` with the worst of all cells that overlap a cell or the `reach` seconds beyond it."""
+    """Compare `extremes_ahead` with the worst of all cells that overlap a cell or the `reach` seconds beyond it."""
     draw, failures, count = random.Random(2), [], 0
     for reach_, largest in product((0.0, 0.5, 1.25), (True, False)):
         for _ in range(10):
             times = np.cumsum([0.0, *(draw.choice((0.25, 0.5, 1.0)) for _ in range(8))])
             values = np.array([[draw.uniform(-1, 1)] for _ in range(8)])
-            computed = ahead(times, values, reach_, largest)[:, 0].tolist()
+            computed = extremes_ahead(times, values, reach_, largest)[:, 0].tolist()
             choose = max if largest else min
             expected = [choose(values[j, 0] for j in range(k, 8) if times[j] <= times[k + 1] + reach_) for k in range(8)]
             count += 1

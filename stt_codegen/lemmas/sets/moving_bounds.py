@@ -71,7 +71,7 @@ def _prove_bounds() -> Outcome:
             t_c=leg.end,
         )
         time, length = abs(random_number()) + 1, Fraction(1, 1 << 20)
-        lines = moving_slack.Lines.of(constraints.Avoidance("", tuple(members), course, growth_factors), leg, time, length)
+        lines = moving_slack.MovingBounds.of(constraints.Avoidance("", tuple(members), course, growth_factors), leg, time, length)
         t = begin + (leg.end - begin) * Fraction(draw.randint(0, 64), 64)
         expected = [
             [

@@ -247,7 +247,7 @@ def _prove_support() -> Outcome:
 
 
 def _prove_smallest_coefficient() -> Outcome:
-    """Run `RowBlock` on pieces whose coefficients are symbols, in every order: it must take the smallest c.E_j - bound."""
+    """Run `ConstraintBlock` on pieces whose coefficients are symbols, in every order: it must take the smallest c.E_j - bound."""
     differences: dict[str, Any] = {}
     unit, half_unit = Fraction(1), Fraction(1, 2)
     edge_constraints = [
@@ -265,7 +265,7 @@ def _prove_smallest_coefficient() -> Outcome:
         symbols = np.array(sp.symbols("beta0:16", real=True), dtype=object).reshape(numbers.shape)
         pieces = np.vectorize(EvaluatedExpression, otypes=[object])(symbols, numbers)
         for kind, members in (("edges", edge_constraints), ("rows", all_constraints)):
-            slacks = slack.RowBlock.of(members, half_unit).told(pieces)
+            slacks = slack.ConstraintBlock.of(members, half_unit).slack_by_constraint(pieces)
             for r, constraint in enumerate(members):
                 products = [sum(c * pieces[0, i, side, j] for i, side, c in constraint.terms) for j in range(4)]
                 bound = -((-(constraint.bound + constraint.clearance)) // half_unit)
@@ -284,7 +284,7 @@ def _check_on_integers() -> Outcome:
             for k in range(3)
         ]
         pieces = np.array([[[[draw.randint(-99, 99) for _ in range(4)] for _ in range(2)] for _ in range(2)] for _ in range(3)])
-        block, choice = slack.RowBlock.of(members, Fraction(1, 2)), slack.RowBlock.choice(sets, Fraction(1, 2))
+        block, choice = slack.ConstraintBlock.of(members, Fraction(1, 2)), slack.ConstraintBlock.choice(sets, Fraction(1, 2))
         slacks = [[_slack_in_halves(constraint, piece) for constraint in members] for piece in pieces.tolist()]
         slacks_by_set = [
             [[_slack_in_halves(constraint, piece) for constraint in avoidance.alternatives] for avoidance in sets]
@@ -301,9 +301,9 @@ def _check_on_integers() -> Outcome:
             ] == expected == _slack_in_halves(alternatives[best_index[k]], pieces[k].tolist())
             is_right = is_right and alternatives[best_index[k]] in sets[choice.set_of(int(best_index[k]))].alternatives
             is_right = is_right and max(slacks_by_set[k][choice.set_of(int(best_index[k]))]) == expected
-            is_right = is_right and block.told_of(block.told(pieces))[k] == min(slacks[k])
-            first_set = slack.RowBlock.choice(sets[:1], Fraction(1, 2))
-            is_right = is_right and first_set.told_of(first_set.told(pieces))[k] == max(slacks_by_set[k][0])
+            is_right = is_right and block.slack_of_block(block.slack_by_constraint(pieces))[k] == min(slacks[k])
+            first_set = slack.ConstraintBlock.choice(sets[:1], Fraction(1, 2))
+            is_right = is_right and first_set.slack_of_block(first_set.slack_by_constraint(pieces))[k] == max(slacks_by_set[k][0])
             failures += [] if is_right else [f"{members}: {smallest[k]}, {smallest_of_best[k]}"]
     return outcome_of_cases(
         count, failures, "whole units, rounded down; the worst row, and of the best rows of the sets the worst"
@@ -326,7 +326,7 @@ def _slack_in_halves(constraint: constraints.Constraint, piece: Any) -> int:
 
 
 def _prove_subdivided() -> Outcome:
-    """Compare `least_slack` on random segments with the slack at many points of the curve.
+    """Compare `smallest_slack` on random segments with the slack at many points of the curve.
 
     No point may have less than the result, no slack may be claimed that is not there, and a slack that all points have by 2
     units more than required must be claimed.
@@ -339,12 +339,12 @@ def _prove_subdivided() -> Outcome:
         bezier = np.array([[[[draw.randint(-60, 60) for _ in range(4)] for _ in range(2)] for _ in range(2)] for _ in range(5)])
         members = [_random_constraint(draw) for _ in range(2)]
         for block, groups in (
-            (slack.RowBlock.of(members, Fraction(1, 2)), [[r] for r in members]),
-            (slack.RowBlock.choice(sets, Fraction(1, 2)), [list(s.alternatives) for s in sets]),
+            (slack.ConstraintBlock.of(members, Fraction(1, 2)), [[r] for r in members]),
+            (slack.ConstraintBlock.choice(sets, Fraction(1, 2)), [list(s.alternatives) for s in sets]),
         ):
             slacks = [_slack_at_point(groups, bezier[k], w) for k in range(5) for w in weights]
             for error in (Fraction(0), Fraction(1, 3), max(Fraction(0), min(slacks) - 3)):
-                computed = slack.least_slack(bezier, block, error)
+                computed = slack.smallest_slack(bezier, block, error)
                 if computed != _slack_in_chunks(bezier, block, error):
                     failures.append(f"{computed} in one piece, another one in chunks")
                 required = error * max(r.distance_error for g in groups for r in g)
@@ -356,13 +356,13 @@ def _prove_subdivided() -> Outcome:
     return outcome_of_cases(count, failures, "what is said to be there is there at every 16th of a segment")
 
 
-def _slack_in_chunks(bezier: Any, block: slack.RowBlock, error: Fraction) -> slack.Least:
-    """Return `least_slack` computed a few constraints at a time."""
-    chunk, slack.CHUNK = slack.CHUNK, 2 * len(block.rows)
+def _slack_in_chunks(bezier: Any, block: slack.ConstraintBlock, error: Fraction) -> slack.LocatedSlack:
+    """Return `smallest_slack` computed a few constraints at a time."""
+    chunk, slack.BATCH_SIZE = slack.BATCH_SIZE, 2 * len(block.constraints)
     try:
-        return slack.least_slack(bezier, block, error)
+        return slack.smallest_slack(bezier, block, error)
     finally:
-        slack.CHUNK = chunk
+        slack.BATCH_SIZE = chunk
 
 
 def _slack_at_point(groups: Sequence[Sequence[constraints.Constraint]], piece: Any, weights: Sequence[Fraction]) -> Fraction:

@@ -165,5 +165,5 @@ def first_period(controller: EmittedController, own: ProvedPeriod | None) -> flo
     found = min(own.period if own else 0.01, 0.01, float(task.prescribed_time) / 100)
     most = clamp_input(controller)
     if task.order == 1 and task.u_max is None and most is not None and not controller.design.is_stateful:
-        found = min(found, 0.8 * float(controller.certificate.least_width) / most)
+        found = min(found, 0.8 * float(controller.certificate.minimum_width) / most)
     return found

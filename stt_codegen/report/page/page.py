@@ -13,7 +13,7 @@ from typing import Any
 
 from stt_codegen import __version__
 from stt_codegen.certify import Certificate, Finding
-from stt_codegen.certify.missions import told_visit
+from stt_codegen.certify.missions import describe_visit
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.emit import notice
 from stt_codegen.pipeline import EmittedController
@@ -75,7 +75,7 @@ def page(controller: EmittedController, report: DesignReport, shown: Evidence, m
             drive_origin=_origin(controller, made),
             plant=plant.name,
             files=[(name, len(text), hashlib.sha256(text).hexdigest()) for name, text in controller.files.items()],
-            said=told_visit,
+            said=describe_visit,
             findings=[_finding(one, controller) for one in controller.certificate.findings],
             statements=[] if proved is None else list(sampling_lines(proved, law.tick_period)),
             largest_u=law.largest_u,
@@ -159,7 +159,7 @@ def _finding(one: Finding, controller: EmittedController) -> dict[str, Any]:
         "holds": one.holds,
         "margin": measured(one),
         "required": f"{float(one.required):.3g}" if one.required else "",
-        "place": one.place(controller.certificate.axes),
+        "place": one.location(controller.certificate.axes),
         "time": None if one.time is None else float(sum(one.time) / 2),
     }
 

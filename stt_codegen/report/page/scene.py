@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.certify.missions import Served
+from stt_codegen.certify.missions import ServedEntry
 from stt_codegen.constraints import avoidances
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.clearances import bands, distance, spans
@@ -25,7 +25,7 @@ DIGITS = 6  # to which a place is told, of the least extent of the state space
 SOLID = 3  # dimensions of a view that turns
 
 
-def scene(controller: EmittedController, mission: tuple[Served, ...], cycle: tuple[float, float] | None) -> dict[str, Any]:
+def scene(controller: EmittedController, mission: tuple[ServedEntry, ...], cycle: tuple[float, float] | None) -> dict[str, Any]:
     """What the page draws. Lengths in the task's units, times in seconds; outlines by pair of axes, "0,1"."""
     task = controller.task
     t = np.linspace(0.0, float(task.prescribed_time), SAMPLES + 1)

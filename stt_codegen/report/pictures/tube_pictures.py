@@ -15,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
-from stt_codegen.certify.missions import served
+from stt_codegen.certify.missions import served_entries
 from stt_codegen.constraints import avoidances
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
@@ -239,7 +239,7 @@ def _visits(axis: Any, controller: EmittedController, low: Array, high: Array, p
     """The numbers of the mission's entries where the tube serves them, first where it comes first."""
     shown, t_c = controller.certificate.mission, float(controller.task.prescribed_time)
     numbers: dict[float, list[int]] = {}
-    for one in () if shown is None else served(controller.task, shown):
+    for one in () if shown is None else served_entries(controller.task, shown):
         for visit in one.visits:
             entries = numbers.setdefault(visit.begin or 0.0, [])
             entries += [] if one.entry in entries else [one.entry]
