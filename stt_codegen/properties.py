@@ -1,6 +1,6 @@
-"""The ten properties that a certificate shows: code, word and sentence, the unit of its margin, and what mends a failure.
+"""The ten properties of a certificate: code, word and sentence, the unit of the margin, and advice against a failure.
 
-Whoever speaks of a property takes it from here. A message has its `label`, the word and then the code: "period (P9)".
+All other files take a property's code and words from here. A message has its `label`, the word and then the code: "period (P9)".
 """
 
 from __future__ import annotations
@@ -11,8 +11,11 @@ LENGTH, RATE, SECONDS = "the task's unit of length", "the task's unit of length 
 
 
 class Property(Enum):
-    """One property. code: as certificates spell it. sentence: what it says, for any task. unit: of the margin, where a finding
-    does not say otherwise. advice: what mends a failure, where a finding has no better advice."""
+    """One property.
+
+    code: its name in certificates. word: its name in messages. sentence: its meaning, for any task. unit: of the margin, unless a
+    finding has another one. advice: a remedy for a failure, unless a finding has a better one.
+    """
 
     WIDTH = (
         "P1", "width", "The tube is nowhere narrower than tube.min_width.", LENGTH,
@@ -57,13 +60,13 @@ class Property(Enum):
 
     @property
     def label(self) -> str:
-        """What messages call it: the word, then the code in brackets."""
+        """Its name in messages: the word, then the code in brackets."""
         return self.label_of(self.word)
 
     def label_of(self, word: str) -> str:
-        """A message's word for a part of it, then the code in brackets: "speed (P6)"."""
+        """Return a message's word for a part of the property, then the code in brackets: "speed (P6)"."""
         return f"{word} ({self.code})"
 
 
 OF_THE_EDGES = (Property.WIDTH, Property.START, Property.STAY, Property.AVOID, Property.REACH, Property.MISSION)
-"""The properties that must have room for what the arithmetic moves an edge by."""
+"""The properties that need a margin for the arithmetic's error of an edge."""
