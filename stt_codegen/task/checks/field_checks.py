@@ -319,8 +319,8 @@ def _control_problem(task: TaskTables) -> str | None:
             return f"{entry('u_max', i)}: is {decimal(bound)}; it must be greater than 0"
     share, clamp, tick = task.initial_set.share, min(task.e_max), task.emit.tick_period
     if control.period is not None and share >= clamp:
-        problem = f"not below control.e_max = {decimal(clamp)}, where the law is clamped"
-        return f"initial_set.share: is {decimal(share)}, {problem}; lower the share or raise e_max"
+        reason = f"not below control.e_max = {decimal(clamp)}, where the law is clamped"
+        return f"initial_set.share: is {decimal(share)}, {reason}; lower the share or raise e_max"
     if control.period is not None and tick is not None and tick > control.period:
         return f"emit.tick_period: is {decimal(tick)}, above control.period = {decimal(control.period)}; use that or less"
     if control.saturate == "scale" and (problem := _scale_problem(task)):

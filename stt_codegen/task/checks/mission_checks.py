@@ -66,15 +66,15 @@ def _repeat_problem(task: TaskTables) -> str | None:
 def _region_problem(task: TaskTables, region: Unsafe | RegionUnion, known: dict[str, Unsafe | RegionUnion]) -> str | None:
     """Return a message about a region without "region[j].", or None. known: the regions before it, by name."""
     if "name" not in region.model_fields_set or not NAME.fullmatch(region.name) or region.name in (*KEYWORDS, "inf"):
-        problem = f"{region.name!r} is no name of a region" if region.name else "is missing"
-        return f"name: {problem}; use a letter, then letters, digits or _, and none of {', '.join(KEYWORDS)}, inf"
+        reason = f"{region.name!r} is no name of a region" if region.name else "is missing"
+        return f"name: {reason}; use a letter, then letters, digits or _, and none of {', '.join(KEYWORDS)}, inf"
     if region.name in known:
         return f"name: {region.name!r} is already the name of region[{list(known).index(region.name)}]; names must differ"
     if isinstance(region, RegionUnion):
         unknown = next((name for name in region.any_of if name not in known), None)
         if unknown is not None or not region.any_of:
-            problem = f"{unknown!r} is no region before this one" if region.any_of else "is empty"
-            return f"any_of: {problem}; name some of {', '.join(known) or 'those that you add before it'}"
+            reason = f"{unknown!r} is no region before this one" if region.any_of else "is empty"
+            return f"any_of: {reason}; name some of {', '.join(known) or 'those that you add before it'}"
         return None
     for field in ("motion", "during", "timing", "spread"):
         if getattr(region, field) is not None:
@@ -94,8 +94,8 @@ def _entry_problem(task: TaskTables, entry: MissionEntry, known: dict[str, Unsaf
     form = entry.form
     if form is None:
         forms = [name for name in FORMS if name in fields]
-        problem = f"has {' and '.join(forms)}" if forms else "says nothing"
-        return f": {problem}; one of {', '.join(FORMS)} is needed"
+        reason = f"has {' and '.join(forms)}" if forms else "says nothing"
+        return f": {reason}; one of {', '.join(FORMS)} is needed"
     extra = next((name for name in fields if name != form and name not in FORMS[form]), None)
     if extra is not None:
         return f".{extra}: is not for {form}; leave it out" + (
@@ -119,8 +119,8 @@ def _entry_problem(task: TaskTables, entry: MissionEntry, known: dict[str, Unsaf
     windows = () if task.repeat or not entry.formula else intervals_of(meaning)
     late = next((w for w in windows if w.end is not None and w.end > t_c), None)
     if late is not None:
-        problem = f"the window {late} ends after prescribed_time = {decimal(t_c)}"
-        return f".formula: {problem}, from when on the tube stands; use at most that, or inf"
+        reason = f"the window {late} ends after prescribed_time = {decimal(t_c)}"
+        return f".formula: {reason}, from when on the tube stands; use at most that, or inf"
     return None
 
 
