@@ -1,3 +1,3 @@
-"""Lemmas about emitted functions: every path of each equals a formula."""
+"""Lemmas about emitted kernels and functions: on every path their outputs are formulas of the paper, or their repairs."""
 
 __all__ = ["functions", "printed_kernels"]

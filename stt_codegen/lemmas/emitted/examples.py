@@ -1,4 +1,7 @@
-"""The example programs whose functions are followed, the symbols for their inputs, and the words for what is claimed."""
+"""Example programs whose functions the lemmas of functions.py follow, symbols for their inputs, and helpers for the formulas.
+
+expected.py and expected_adaptive.py have the formulas.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,9 @@ from stt_codegen.task import Task
 
 N, K, T_C, GAIN, E_MAX = 2, 4, Fraction(9), Fraction(1, 2), Fraction(99, 100)
 U_MAX = (Fraction(3, 2), Fraction(40))
-FOLLOWED = frozenset({"segment", "segment_at_tick", "hold", "normalized_error"})  # kernels that belong to the frame
+FOLLOWED = frozenset(
+    {"segment", "segment_at_tick", "hold", "normalized_error"}
+)  # kernels that are followed as a part of the function
 Point = Mapping[str, Any]
 
 
@@ -29,7 +34,7 @@ D = TypeVar("D", bound=Design)
 
 @dataclass(frozen=True)
 class CaseOf(Generic[D]):
-    """A program and its design; guarded: the law looks for tubes narrower than MINIMUM_WIDTH."""
+    """A program and its design. guarded: the law raises widths that are below MINIMUM_WIDTH."""
 
     program: Program
     design: D
@@ -40,34 +45,37 @@ class CaseOf(Generic[D]):
         return frozenset(k.name for k in self.program.kernels) - FOLLOWED
 
 
-Case = CaseOf[Any]  # for formulas that are the same whatever the tube is
+Case = CaseOf[Any]  # for formulas that are the same for every kind of tube
 
 
-def _task(kind: DesignKind, u_max: bool) -> Task:
-    side = {"lower": [0, 0], "upper": [5, 5]}
+def _task(kind: DesignKind, has_u_max: bool) -> Task:
+    """Return a task of two components for a kind of tube; only its control and names matter, since the design is given."""
+    interval = {"lower": [0, 0], "upper": [5, 5]}
     return Task.model_validate(
         {
             "name": "example",
             "prescribed_time": int(T_C),
             "initial_state": [1, 1],
-            "state_space": side,
-            "initial_set": side,
-            "target_set": side,
+            "state_space": interval,
+            "initial_set": interval,
+            "target_set": interval,
             "tube": {"design": kind},
-            "control": {"gain": Decimal("0.5"), "e_max": Decimal("0.99")} | ({"u_max": [Decimal("1.5"), 40]} if u_max else {}),
+            "control": {"gain": Decimal("0.5"), "e_max": Decimal("0.99")}
+            | ({"u_max": [Decimal("1.5"), 40]} if has_u_max else {}),
             "emit": {"scalar": "double"} | ({"tick_period": Decimal("0.001")} if CAPABILITIES[kind].counts_ticks else {}),
         }
     )
 
 
-def _refined(widths: Sequence[int], u_max: bool) -> Case:
-    """K segments that rise; the width of control point j, in 2^-10 / 6, is widths[j] in dimension 1, the last ones in 2."""
+def _refined(widths: Sequence[int], has_u_max: bool) -> Case:
+    """Return a tube of K segments; control point j has the width widths[j] in dimension 1, widths[-1 - j] in 2, in 2^-10 / 6."""
     rows = tuple(((100 * j, 100 * j + widths[j]), (50 - 10 * j, 50 - 10 * j + widths[-1 - j])) for j in range(K + 3))
     design = RefinedDesign(T_C, K, 10, rows)
-    return Case(refined_program(_task("refined", u_max), design), design)
+    return Case(refined_program(_task("refined", has_u_max), design), design)
 
 
 def _adaptive() -> Case:
+    """Return an adaptive tube with several bumps on a side, one on another, and none on the rest."""
     bumps = [(0, LOWER, 2), (0, LOWER, 3), (0, UPPER, 5), (1, UPPER, 6)]
     shape: Any = {"height": Fraction(3, 2), "steepness": Fraction(1, 100), "radius": Fraction(1), "unsafe": "U"}
     design = AdaptiveDesign(
@@ -88,7 +96,7 @@ def _adaptive() -> Case:
 
 @cache
 def cases() -> Mapping[str, Case]:
-    """wide: every width above the guard, so that there is none; narrow: with the guard, empty in places; adaptive."""
+    """Return by name a wide tube, which needs no guard, a narrow one with a guard, empty in places, and an adaptive one."""
     return {
         "wide": replace(_refined((300, 320, 280, 400, 500, 350, 300), True), guarded=False),
         "narrow": _refined((300, 0, 0, 0, 0, -50, 200), False),
@@ -102,11 +110,11 @@ ALPHA = sp.symbols(f"alpha1:{2 * N + 1}", real=True)
 BOX = {name: sp.symbols(f"{name}1:{N + 1}", real=True) for name in ("lower", "upper")}
 SYMBOLS: dict[str, Any] = {"t": T, "tick": TICK, "dt": DT, "x": X, "alpha": ALPHA, **BOX}
 
-Wanted = tuple[Any, Mapping[str, Sequence[Any]], Any]  # what tells regimes apart, outputs, result
-Spec = Callable[[Case, Point], Wanted]
+Expected = tuple[Any, Mapping[str, Sequence[Any]], Any]  # the regime, formulas of the outputs by name, and of the result
+Specification = Callable[[Case, Point], Expected]
 
 
-def finite(*values: Any) -> bool:
+def are_finite(*values: Any) -> bool:
     return all(map(math.isfinite, values))
 
 
@@ -118,9 +126,9 @@ def rational(value: Fraction | int) -> Any:
     return sp.Rational(Fraction(value).numerator, Fraction(value).denominator)
 
 
-def entry(table: str, index: Any) -> Any:
+def table_entry(table: str, index: Any) -> Any:
     return sp.Function(table, real=True)(sp.expand(index))
 
 
-def all_finite(point: Point) -> bool:
-    return finite(*(v for value in point.values() for v in (value if isinstance(value, Sequence) else (value,))))
+def is_finite_point(point: Point) -> bool:
+    return are_finite(*(v for value in point.values() for v in (value if isinstance(value, Sequence) else (value,))))

@@ -1,15 +1,15 @@
-"""Every emitted function on every path: its frame (finite test, held time, segment, clamps, saturation, status) puts the kernels
-together as the paper's equations, repaired, say.
+"""Lemmas about emitted functions: on every path each combines the kernels as the equations of the paper, repaired, demand.
 
-Where its paths part is known beforehand: its comparisons are the list in `FRAMES`, and a function with another one is open. A
-function of a small example program is followed at points of every regime, edges, empty tubes and odd numbers included. On the
-path of a point its outputs are formulas in t, x, alpha and table entries, which stay symbols, so they hold for every design of
-that shape; they are compared with formulas put together from the equations (expected.py). Kernels stay symbols too: lemmas of
-their own say what they are. Points of one path that these formulas treat differently are all compared. Where neighbouring points
-are on different paths, the line between them is halved to where the path changes, and both sides are looked at: so a threshold
-that is off by more than a millionth of the distance shows.
+A function's frame is everything around its kernels: the test for finite numbers, clamped time, segment, clamps, saturation,
+status. `FRAMES` lists the comparisons of every function; a function with another one stays open. A function of a small example
+program is followed at points of every regime, edges, empty tubes and numbers that are not finite included. On the path of a
+point its outputs are formulas in t, x, alpha and table entries. These are symbols, so the formulas hold for every design of that
+shape. They are compared with formulas that expected.py and expected_adaptive.py build from the equations. Kernels are symbols,
+too: printed_kernels.py has lemmas about them. Points of one path for which these formulas differ are all compared. Where
+neighbouring points are on different paths, the line between them is halved up to where the path changes, and points on both
+sides are compared. So a threshold that is wrong by more than a millionth of the distance is detected.
 
-Long because the points, the comparisons and the statement of every emitted function stand together.
+book.py takes LEMMAS as the family `functions`. Long because it has the points, comparisons and statements of all functions.
 """
 
 from __future__ import annotations
@@ -26,69 +26,73 @@ import sympy as sp
 from stt_codegen.controller import ticks_of
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.lemmas.emitted import expected, expected_adaptive
-from stt_codegen.lemmas.emitted.examples import FOLLOWED, SYMBOLS, Case, N, Point, Spec, cases
+from stt_codegen.lemmas.emitted.examples import FOLLOWED, SYMBOLS, Case, N, Point, Specification, cases, is_finite_point
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
 from stt_codegen.program import Status
 from stt_codegen.program.analyse import comparisons
 from stt_codegen.program.symbolic import follow, formulas_on
 
 HALVINGS = 20
-STRIDES = (1, 2, 3)  # of the lists of points: two or three of a kind
+STRIDES = (1, 2, 3)  # between neighbours in the lists of points, which have two or three of a kind in a row
 
 
-def check(case: Case, function: str, points: Iterable[Point], spec: Spec, frame: Sequence[str]) -> Outcome:
-    """Proved when the function's comparisons are those of its frame, each with both outcomes among the points, and on every path
-    and regime of the points the outputs are those of the formulas."""
-    seen: dict[Any, Any] = {}
-    looked = 0
-    given = list(points)
+def check(case: Case, function: str, points: Iterable[Point], specification: Specification, frame: Sequence[str]) -> Outcome:
+    """Prove that the function's outputs equal the formulas of the specification on every path and regime of the points.
+
+    Its comparisons must be those of the frame, and each must have both outcomes among the points.
+    """
+    path_regimes: dict[Any, Any] = {}
+    point_count = 0
+    listed_points = list(points)
     compared = comparisons(case.program, case.program.function(function), FOLLOWED)
-    left = [f"{what} is no comparison of the frame" for what in compared if what not in frame]
-    left += [f"{what} is not compared" for what in frame if what not in compared]
-    outcomes = set()
-    for point in [*given, *_borders(case, function, given)]:
-        looked += 1
+    failures = [f"{what} is no comparison of the frame" for what in compared if what not in frame]
+    failures += [f"{what} is not compared" for what in frame if what not in compared]
+    decided = set()
+    for point in [*listed_points, *_path_changes(case, function, listed_points)]:
+        point_count += 1
         path = follow(case.program, function, point, case.opaque)
-        outcomes |= set(zip(compared, path.decisions, strict=False))  # a path that leaves early decides less
-        regime, outputs, result = spec(case, point)
-        seen.setdefault((path.decisions, regime), (path, point, outputs, result))
-    left += [f"{what} is never {value}" for what in frame for value in (True, False) if (what, value) not in outcomes]
-    for path, point, outputs, result in seen.values():
-        found = formulas_on(case.program, function, SYMBOLS, path, case.opaque)
+        decided |= set(zip(compared, path.decisions, strict=False))  # a path that returns early has fewer decisions
+        regime, outputs, result = specification(case, point)
+        path_regimes.setdefault((path.decisions, regime), (path, point, outputs, result))
+    failures += [f"{what} is never {value}" for what in frame for value in (True, False) if (what, value) not in decided]
+    for path, point, outputs, result in path_regimes.values():
+        computed = formulas_on(case.program, function, SYMBOLS, path, case.opaque)
         pairs = [
             (f"{name}[{i}]", v, w)
             for name in outputs
-            for i, (v, w) in enumerate(zip(found.outputs[name], outputs[name], strict=True))
+            for i, (v, w) in enumerate(zip(computed.outputs[name], outputs[name], strict=True))
         ]
-        pairs += [("result", found.result, result)]
-        left += [f"{name} at {_shown(point)}: {v} for {w}"[:300] for name, v, w in pairs if not _same(v, w)]
+        pairs += [("result", computed.result, result)]
+        failures += [f"{name} at {_in_words(point)}: {v} for {w}"[:300] for name, v, w in pairs if not _are_equal(v, w)]
     method = "SymPy: the function followed at points of every regime, its formulas on each path compared"
-    if left:
-        return Outcome(Verdict.OPEN, method, tuple(left))
-    return Outcome(Verdict.PROVED, method, (f"{function}: {len(seen)} paths and regimes, {looked} points",))
+    if failures:
+        return Outcome(Verdict.OPEN, method, tuple(failures))
+    return Outcome(Verdict.PROVED, method, (f"{function}: {len(path_regimes)} paths and regimes, {point_count} points",))
 
 
-def _borders(case: Case, function: str, points: Sequence[Point]) -> Iterator[Point]:
-    """Two points close together, on either side of where the path changes between neighbours in the list."""
-    crossed = set()
+def _path_changes(case: Case, function: str, points: Sequence[Point]) -> Iterator[Point]:
+    """Yield pairs of points close together, one on each side of where the path changes between neighbours in the list."""
+    known_changes = set()
     paths = [follow(case.program, function, p, case.opaque).decisions for p in points]
-    strides = STRIDES[:1] if case.design.is_stateful else STRIDES  # an adaptive tube's paths cost more to follow
+    strides = STRIDES[:1] if case.design.is_stateful else STRIDES  # paths of an adaptive tube take longer to follow
     for stride, k in product(strides, range(len(points))):
-        if k + stride >= len(points) or (paths[k], paths[k + stride]) in crossed or not points[k]:
+        if k + stride >= len(points) or (paths[k], paths[k + stride]) in known_changes or not points[k]:
             continue
-        near, far = points[k], points[k + stride]
-        if paths[k] == paths[k + stride] or not _finite_point(near) or not _finite_point(far):
+        first, second = points[k], points[k + stride]
+        if paths[k] == paths[k + stride] or not is_finite_point(first) or not is_finite_point(second):
             continue
-        crossed.add((paths[k], paths[k + stride]))
+        known_changes.add((paths[k], paths[k + stride]))
         low, high = 0.0, 1.0
         for _ in range(HALVINGS):
             middle = (low + high) / 2
-            same = follow(case.program, function, _between(near, far, middle), case.opaque).decisions == paths[k]
-            low, high = (middle, high) if same else (low, middle)
-        yield from (_between(near, far, low), _between(near, far, high))
+            is_first_path = follow(case.program, function, _between(first, second, middle), case.opaque).decisions == paths[k]
+            low, high = (middle, high) if is_first_path else (low, middle)
+        yield from (_between(first, second, low), _between(first, second, high))
 
 
 def _between(a: Point, b: Point, share: float) -> Point:
+    """Return the point at a share of the way from a to b, with integers rounded."""
+
     def mix(x: Any, y: Any) -> Any:
         if isinstance(x, list | tuple):
             return [mix(v, w) for v, w in zip(x, y, strict=True)]
@@ -97,61 +101,59 @@ def _between(a: Point, b: Point, share: float) -> Point:
     return {name: mix(a[name], b[name]) for name in a}
 
 
-def _finite_point(point: Point) -> bool:
-    return all(math.isfinite(v) for value in point.values() for v in (value if isinstance(value, list | tuple) else [value]))
-
-
-def _same(found: Any, wanted: Any) -> bool:
-    if isinstance(found, bool) or isinstance(wanted, bool):
-        return found is wanted
-    if found is None or wanted is None or isinstance(found, Status) or isinstance(wanted, Status):
-        return found is wanted
-    if sp.sympify(found) is sp.nan or sp.sympify(wanted) is sp.nan:
-        return sp.sympify(found) is sp.sympify(wanted)
-    difference = sp.sympify(found) - wanted
+def _are_equal(computed: Any, expected: Any) -> bool:
+    """Return whether two outputs are equal: the same truth value, status or NaN, or formulas whose difference is 0."""
+    if isinstance(computed, bool) or isinstance(expected, bool):
+        return computed is expected
+    if computed is None or expected is None or isinstance(computed, Status) or isinstance(expected, Status):
+        return computed is expected
+    if sp.sympify(computed) is sp.nan or sp.sympify(expected) is sp.nan:
+        return sp.sympify(computed) is sp.sympify(expected)
+    difference = sp.sympify(computed) - expected
     return bool(sp.expand(difference) == 0 or sp.cancel(difference) == 0)
 
 
-def _shown(point: Point) -> str:
-    return ", ".join(f"{k} = {v}" for k, v in point.items())
+def _in_words(point: Point) -> str:
+    return ", ".join(f"{name} = {value}" for name, value in point.items())
 
 
 # ------------------------------------------------------------------------------------------------ points
 
 TIMES = (-1.0, 0.0, 0.3, 2.5, 5.0, 8.9, 9.0, 12.0)
-ODD = (math.nan, math.inf, -math.inf)
+NOT_FINITE = (math.nan, math.inf, -math.inf)
 SHARES = (-2.5, -0.1, 0.0, 0.001, 0.2, 0.5, 0.8, 0.999, 1.0, 1.1, 3.5)  # of the width, from the lower edge
-APART = (-2.5, -0.1, 0.001, 0.2, 0.8, 0.999, 1.1, 3.5)  # from ties: `tube` in seconds tells where a tick's are to rounding only
+# Away from ties, since the edges at a tick differ from those of `tube` in seconds by rounding.
+SHARES_OFF_TIES = (-2.5, -0.1, 0.001, 0.2, 0.8, 0.999, 1.1, 3.5)
 ALPHAS = ((0.0, 0.1, 0.0, 0.2), (-1.0, 0.0, 1e30, 0.5), (0.3, 1e9, 0.2, -2.0))
 
 
-def _times() -> list[Point]:
-    return [{"t": t} for t in (*TIMES, *ODD)]
+def _time_points() -> list[Point]:
+    return [{"t": t} for t in (*TIMES, *NOT_FINITE)]
 
 
 def _states(
-    case: Case, arguments: Mapping[str, Any], extra: Mapping[str, Any], several: Sequence[float] = SHARES
+    case: Case, arguments: Mapping[str, Any], extra: Mapping[str, Any], shares: Sequence[float] = SHARES
 ) -> Iterator[Point]:
-    """Every share in one component while the other is at a fifth; both alike; and a narrow tube's own odd places."""
+    """Yield states with every share of the width in one component and 0.2 in the other one, and with one share in both."""
     tube = follow(case.program, "tube", arguments, case.opaque).outputs
-    shares = [pair for s in several for pair in ((s, 0.2), (0.2, s), (s, s))]
-    for pair in shares:
+    pairs = [pair for s in shares for pair in ((s, 0.2), (0.2, s), (s, s))]
+    for pair in pairs:
         widths = [tube["upper"][i] - tube["lower"][i] for i in range(N)]
         x = [tube["lower"][i] + pair[i] * (widths[i] if abs(widths[i]) > 1e-9 else 1e-3) for i in range(N)]
         yield {**extra, "x": [tube["upper"][i] if pair[i] == 1.0 else x[i] for i in range(N)]}
 
 
 def _bad_states(extra: Mapping[str, Any]) -> Iterator[Point]:
-    for odd in ODD:
-        yield {**extra, "x": [odd, 1.0]}
-        yield {**extra, "x": [1.0, odd]}
+    for number in NOT_FINITE:
+        yield {**extra, "x": [number, 1.0]}
+        yield {**extra, "x": [1.0, number]}
 
 
 def _spline_points(case: Case) -> Iterator[Point]:
     for t in TIMES:
         yield from _states(case, {"t": t}, {"t": t})
     yield from _bad_states({"t": 1.0})
-    yield from ({"t": odd, "x": [1.0, 1.0]} for odd in ODD)
+    yield from ({"t": number, "x": [1.0, 1.0]} for number in NOT_FINITE)
 
 
 def _start_points(case: Case) -> Iterator[Point]:
@@ -162,21 +164,22 @@ def _start_points(case: Case) -> Iterator[Point]:
 def _tick_points(case: Case) -> Iterator[Point]:
     ticks = ticks_of(case.design, Fraction(1, 1000))
     for tick in (0, 1, 2400, 6750, 8999, ticks.last - 1, ticks.last, ticks.last + 1, 2**32 - 1):
-        yield from _states(case, {"t": tick / 1000}, {"tick": tick}, APART)
+        yield from _states(case, {"t": tick / 1000}, {"tick": tick}, SHARES_OFF_TIES)
     yield from _bad_states({"tick": 7})
 
 
-def _alpha_points(x: bool) -> Iterator[Point]:
+def _alpha_points(has_states: bool) -> Iterator[Point]:
+    """Yield times and values of alpha of the adaptive example, with numbers that are not finite; has_states: also states x."""
     case = cases()["adaptive"]
-    for t, alpha in product((-1.0, 2.5, 12.0) if x else TIMES, ALPHAS):
+    for t, alpha in product((-1.0, 2.5, 12.0) if has_states else TIMES, ALPHAS):
         extra = {"t": t, "alpha": list(alpha)}
-        yield from _states(case, extra, extra) if x else (extra,)
-    for odd in ODD:
-        states = {"x": [1.0, 1.0]} if x else {}
-        yield {"t": odd, "alpha": list(ALPHAS[0]), **states}
+        yield from _states(case, extra, extra) if has_states else (extra,)
+    for number in NOT_FINITE:
+        states = {"x": [1.0, 1.0]} if has_states else {}
+        yield {"t": number, "alpha": list(ALPHAS[0]), **states}
         for k in range(2 * N):
-            yield {"t": 1.0, "alpha": [odd if i == k else 0.1 for i in range(2 * N)], **states}
-    if x:
+            yield {"t": 1.0, "alpha": [number if i == k else 0.1 for i in range(2 * N)], **states}
+    if has_states:
         yield from _bad_states({"t": 1.0, "alpha": list(ALPHAS[0])})
 
 
@@ -186,18 +189,18 @@ def _step_points() -> Iterator[Point]:
 
 
 def _boxes() -> Iterator[Point]:
-    """Edges and states of `transform`: both components alike or different, empty, narrow, wide, not finite."""
-    sides = [(0.0, 1.0), (0.0, 2.0**-22), (1.0, 1.0), (2.0, 1.0), (math.nan, 1.0), (0.0, math.inf)]
-    for share, (low, high) in product((*SHARES, math.nan), sides):
+    """Yield edges and states of `transform`: one component is empty, narrow, wide or not finite, the other one plain."""
+    intervals = [(0.0, 1.0), (0.0, 2.0**-22), (1.0, 1.0), (2.0, 1.0), (math.nan, 1.0), (0.0, math.inf)]
+    for share, (low, high) in product((*SHARES, math.nan), intervals):
         x = low + share * (high - low if 0 < high - low < 10 else 1.0)
         yield {"lower": [low, 0.0], "upper": [high, 1.0], "x": [x, 0.2]}
         yield {"lower": [0.0, low], "upper": [1.0, high], "x": [0.9, x]}
 
 
-# By lemma: the example, the emitted function, and its points.
+# By the word of the lemma: the example, the emitted function, and its points.
 SUBJECTS: Mapping[str, tuple[str, str, Callable[[Case], Iterable[Point]]]] = {
-    **{f"{case}_tube": (case, "tube", lambda _: _times()) for case in ("wide", "narrow")},
-    **{f"{case}_tube_rate": (case, "tube_rate", lambda _: _times()) for case in ("wide", "narrow")},
+    **{f"{case}_tube": (case, "tube", lambda _: _time_points()) for case in ("wide", "narrow")},
+    **{f"{case}_tube_rate": (case, "tube_rate", lambda _: _time_points()) for case in ("wide", "narrow")},
     **{f"{case}_control": (case, "control", _spline_points) for case in ("wide", "narrow")},
     **{f"{case}_margin": (case, "margin", _spline_points) for case in ("wide", "narrow")},
     **{f"{case}_margins": (case, "margins", _spline_points) for case in ("wide", "narrow")},
@@ -213,7 +216,7 @@ SUBJECTS: Mapping[str, tuple[str, str, Callable[[Case], Iterable[Point]]]] = {
     "adaptive_margin": ("adaptive", "margin", lambda _: _alpha_points(True)),
     "adaptive_margins": ("adaptive", "margins", lambda _: _alpha_points(True)),
 }
-SPLINE: Mapping[str, Spec] = {
+SPLINE: Mapping[str, Specification] = {
     "tube": expected.tube,
     "tube_rate": expected.tube_rate,
     "control": expected.control_of(expected.spline_edges),
@@ -223,7 +226,7 @@ SPLINE: Mapping[str, Spec] = {
     "covered": expected.covered,
     "transform": expected.transform,
 }
-ADAPTIVE: Mapping[str, Spec] = {
+ADAPTIVE: Mapping[str, Specification] = {
     "tube": expected_adaptive.adaptive_tube,
     "tube_rate": expected_adaptive.adaptive_rate,
     "control": expected.control_of(expected_adaptive.adaptive_edges),
@@ -235,43 +238,43 @@ ADAPTIVE: Mapping[str, Spec] = {
 }
 
 
-FORMULAS: Mapping[DesignKind, Mapping[str, Spec]] = {"refined": SPLINE, "adaptive": ADAPTIVE, "literal": ADAPTIVE}
+FORMULAS: Mapping[DesignKind, Mapping[str, Specification]] = {"refined": SPLINE, "adaptive": ADAPTIVE, "literal": ADAPTIVE}
 
-# The comparisons of every function, by the names of what is compared: where its paths part. Another one is refused.
-_TIME = ("lt 0 t", "lt scaled 4")
-_PLACE = ("lt to_upper to_lower", "lt least nearest", "lt 0 nearest")
+# The comparisons of every function, by the names of both sides. They decide its path; any other comparison leaves it open.
+_SPLINE_TIME = ("lt 0 t", "lt scaled 4")
+_NEAREST_EDGE = ("lt to_upper to_lower", "lt least nearest", "lt 0 nearest")
 _GUARDED = ("lt 0 room", "lt 9.5367431640625e-07 room", "lt to_upper to_lower", "lt least distance")
 _LIMIT = ("lt u_min push", "lt u_limit u_held_raised")
-_SHARE = ("lt to_upper to_lower", "lt share -1", "lt held_share margin")
+_WIDTH_SHARE = ("lt to_upper to_lower", "lt share -1", "lt held_share margin")
 _ALPHA = ("lt 0 alpha_low_in", "lt alpha_low_raised 44", "lt 0 alpha_high_in", "lt alpha_high_raised 44")
-_HELD = ("lt 0 t", "lt started t_c", *_ALPHA)
+_CLAMPED = ("lt 0 t", "lt started t_c", *_ALPHA)
 FRAMES: Mapping[str, Sequence[str]] = {
-    **{f"{case}_tube": ("finite t", *_TIME) for case in ("wide", "narrow")},
-    **{f"{case}_tube_rate": ("finite t", *_TIME, "lt t 9") for case in ("wide", "narrow")},
-    "wide_control": ("le zero 0", *_TIME, *_PLACE, *_LIMIT),
-    "narrow_control": ("le zero 0", *_TIME, *_GUARDED, "lt 0 nearest"),
-    "wide_margin": ("le zero 0", *_TIME, *_SHARE),
-    "narrow_margin": ("le zero 0", *_TIME, "lt 9.5367431640625e-07 room", *_SHARE),
-    "wide_margins": ("finite t", *_TIME, *_SHARE[:2]),
-    "narrow_margins": ("finite t", *_TIME, "lt 9.5367431640625e-07 room", *_SHARE[:2]),
+    **{f"{case}_tube": ("finite t", *_SPLINE_TIME) for case in ("wide", "narrow")},
+    **{f"{case}_tube_rate": ("finite t", *_SPLINE_TIME, "lt t 9") for case in ("wide", "narrow")},
+    "wide_control": ("le zero 0", *_SPLINE_TIME, *_NEAREST_EDGE, *_LIMIT),
+    "narrow_control": ("le zero 0", *_SPLINE_TIME, *_GUARDED, "lt 0 nearest"),
+    "wide_margin": ("le zero 0", *_SPLINE_TIME, *_WIDTH_SHARE),
+    "narrow_margin": ("le zero 0", *_SPLINE_TIME, "lt 9.5367431640625e-07 room", *_WIDTH_SHARE),
+    "wide_margins": ("finite t", *_SPLINE_TIME, *_WIDTH_SHARE[:2]),
+    "narrow_margins": ("finite t", *_SPLINE_TIME, "lt 9.5367431640625e-07 room", *_WIDTH_SHARE[:2]),
     "covered": ("lt start_lower_i x_i", "lt x_i start_upper_i"),
-    "control_tick": ("le zero 0", "tlt tick 9000", "ilt passed 9000", "ilt whole 3", *_PLACE, *_LIMIT),
+    "control_tick": ("le zero 0", "tlt tick 9000", "ilt passed 9000", "ilt whole 3", *_NEAREST_EDGE, *_LIMIT),
     "transform": (*_GUARDED, "lt -0.99 e_raw", "lt 0.99 e_held_raised", "finite x_i", "finite room"),
     "alpha_init": (),
-    "alpha_step": ("le zero 0", "lt 0 dt", "lt dt 1048576", *_HELD),
-    "alpha_rate": ("le zero 0", *_HELD),
-    "adaptive_tube": ("le zero 0", *_HELD),
-    "adaptive_tube_rate": ("le zero 0", *_HELD),
-    "adaptive_control": ("le zero2 0", *_HELD, *_GUARDED, "lt 0 nearest"),
-    "adaptive_margin": ("le zero2 0", *_HELD, "lt 9.5367431640625e-07 room", *_SHARE),
-    "adaptive_margins": ("le zero 0", *_HELD, "lt 9.5367431640625e-07 room", *_SHARE[:2]),
+    "alpha_step": ("le zero 0", "lt 0 dt", "lt dt 1048576", *_CLAMPED),
+    "alpha_rate": ("le zero 0", *_CLAMPED),
+    "adaptive_tube": ("le zero 0", *_CLAMPED),
+    "adaptive_tube_rate": ("le zero 0", *_CLAMPED),
+    "adaptive_control": ("le zero2 0", *_CLAMPED, *_GUARDED, "lt 0 nearest"),
+    "adaptive_margin": ("le zero2 0", *_CLAMPED, "lt 9.5367431640625e-07 room", *_WIDTH_SHARE),
+    "adaptive_margins": ("le zero 0", *_CLAMPED, "lt 9.5367431640625e-07 room", *_WIDTH_SHARE[:2]),
 }
 
 
 def prove(name: str) -> Outcome:
-    """The function of a lemma, at its points, against its formulas."""
-    kind, function, points = SUBJECTS[name]
-    case = cases()[kind]
+    """Compare the function of a lemma with its formulas at its points."""
+    example, function, points = SUBJECTS[name]
+    case = cases()[example]
     return check(case, function, points(case), FORMULAS[case.design.kind][function], FRAMES[name])
 
 
@@ -298,11 +301,12 @@ KINDS = {"wide": " of a refined tube", "narrow": " of a refined tube that may be
 
 
 def _lemmas() -> Iterator[Lemma]:
-    for name, (kind, function, _) in SUBJECTS.items():
-        told, latex = STATEMENTS[function]
+    """Yield one lemma for each of SUBJECTS."""
+    for name, (example, function, _) in SUBJECTS.items():
+        words, latex = STATEMENTS[function]
         yield Lemma(
             f"functions.{name}",
-            f"The emitted `{function}`{KINDS[kind] if name != function else ''} gives {told}, on every path.",
+            f"The emitted `{function}`{KINDS[example] if name != function else ''} gives {words}, on every path.",
             latex,
             (
                 "every kernel is what its own lemma says",
