@@ -316,7 +316,7 @@ def _cut_beyond_face(arena: Arena, box: Array, gap: float, x: int) -> tuple[Arra
     That is the component of the normal in which x(0) is farthest from the edge that moves, for what the cut takes there.
     """
     missing = (arena.clearance - gap) * (1 + 1e-12)
-    normal = arena.oblique_faces.normal[x].tolist()
+    normal: list[float] = arena.oblique_faces.normal[x].tolist()
 
     def margin(i: int) -> float:
         """Return how far x(0) is from the edge after the cut."""

@@ -153,7 +153,7 @@ def _tube_options_that_do(task: Task, arena: Arena, segment_counts: tuple[int, .
     def slowest(clearance: float, min_width: float, segment_counts: tuple[int, ...]) -> SplineTube | None:
         trial = replace(arena, clearance=clearance, min_width=min_width)
         with suppress(NotCertified):
-            return search_of(trial, starting_box(trial), segment_counts).slowest()
+            return search_of(trial, starting_box(trial), segment_counts).find_slowest()
         return None
 
     options = []

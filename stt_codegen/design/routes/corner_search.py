@@ -38,7 +38,7 @@ class Route:
     reach: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CentreProblem:
     """What a route of the tube's centre is searched in.
 
@@ -63,7 +63,15 @@ def centre_problem_of(arena: Arena, centre: Array, reach: Array, inset: Array) -
         if inner is None:
             return None
         goal = inner
-    return CentreProblem(arena, centre, reach, inset, grow_obstacles(arena, reach), space, goal)
+    return CentreProblem(
+        arena=arena,
+        centre=centre,
+        reach=reach,
+        inset=inset,
+        obstacles=grow_obstacles(arena, reach),
+        space=space,
+        goal=goal,
+    )
 
 
 def search_finds_every_route(arena: Arena) -> bool:

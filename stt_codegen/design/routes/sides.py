@@ -77,7 +77,7 @@ class _SideSpan(NamedTuple):
 
     end: float
     smallest_gap: float
-    index: int
+    normal_index: int
     side: int
     begin: float
 
@@ -101,9 +101,9 @@ def _longest_sides(arena: Arena, route: Route, start: Array, j: int) -> tuple[_F
         if not next_spans:
             return ()
         longest = max(next_spans)
-        sides.append(_FlexibleSide(current.index, current.side, (min(max(longest.begin, last_change), until), until)))
+        sides.append(_FlexibleSide(current.normal_index, current.side, (min(max(longest.begin, last_change), until), until)))
         last_change, current = until, longest
-    return (*sides, _FlexibleSide(current.index, current.side, (end, end)))
+    return (*sides, _FlexibleSide(current.normal_index, current.side, (end, end)))
 
 
 def _side_spans(arena: Arena, route: Route, j: int) -> list[_SideSpan]:
@@ -126,7 +126,7 @@ def _side_spans(arena: Arena, route: Route, j: int) -> list[_SideSpan]:
 
 def _separates(arena: Arena, start: Array, j: int, span: _SideSpan) -> bool:
     """Return whether gamma(0) is on the span's side of U_j, with the clearance."""
-    i = span.index
+    i = span.normal_index
     if span.side == BEYOND:
         return bool(arena.oblique_faces.distances_beyond(start, i, i + 1)[0] >= arena.clearance - TOLERANCE)
     if span.side == BELOW:
