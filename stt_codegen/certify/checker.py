@@ -66,6 +66,8 @@ KNOWN = {
 LISTS = ("unsafe", "region", "mission")
 UNREAD = (".rs",)  # of files in a language that a task has to ask for: of these nothing is proved here
 FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set
+# All fields that `_cuts` reads, or that say nothing of the shape: a set by any other field has half-spaces that it does not know.
+CUT_BY = "name axes motion lower upper centre radius vertices normals offsets"
 FAN: tuple[tuple[tuple[int, ...], ...], ...] = (  # normals of a target that is a ball, by its dimensions
     (), ((1,),), ((1, 0), (5, 1), (5, 2), (3, 2), (1, 1)),
     ((1, 0, 0), (1, 1, 0), (1, 1, 1), (2, 1, 0), (2, 1, 1), (2, 2, 1)),
@@ -514,6 +516,9 @@ def _cuts(table: Any, names: list[str]) -> list[tuple[list[int], Fraction]]:
     through as many of them as there are dimensions that have the others on one side."""
     own, n, found = _own(table, names), len(names), []
     d = len(own)
+    unknown = set(table) - set(CUT_BY.split())
+    if unknown:
+        raise Unusable(f"the task has a set by {sorted(unknown)[0]!r}, and the half-spaces of such a set are not known here")
     if "centre" in table:
         centre, radius = _each(table["centre"], d), _number(table["radius"])
         if d > 3 or radius <= 0 or set(table) & {"vertices", "normals", "offsets"}:
@@ -2590,9 +2595,9 @@ class Mission:
         """Whether all of a piece, larger by the margin on every side, satisfies a state formula; true only where it does."""
         unit, more = tube.unit, [h + task.clearance for h in self.body]
         if f[0] == "in" and "lower" not in self.regions[f[1]]:
-            if "segment" in self.regions[f[1]]:
-                raise Unusable("the mission has a capsule to be in")
             faces = _cuts(self.regions[f[1]], self.names)
+            if not faces:  # all of none would hold anywhere
+                raise Unusable("the mission has a region to be in, of which no half-space is known here")
 
             def behind(piece: Piece) -> bool:
                 return all(

@@ -207,6 +207,47 @@ def test_a_set_that_comes_nearer_is_refused_by_certificate_and_checker_where_the
     assert len(set(verdicts)) == 2
 
 
+# Regions of a mission, by the form of the checker: one with all that the tube visits in it, and one where the tube never is. A capsule
+# has no half-spaces, and no mission is in it.
+REGIONS = {
+    "lower upper": ("lower = [-2, -2]\nupper = [7, 7]", "lower = [4, 0]\nupper = [5, 1]"),
+    "vertices": ("vertices = [[-9, -9], [20, -9], [-9, 20]]", "vertices = [[4, 0], [5, 0], [5, 1]]"),
+    "normals offsets": ("normals = [[1, 1], [-1, 0]]\noffsets = [20, 5]", "normals = [[1, -1], [0, -1]]\noffsets = [-4.5, -4.5]"),
+    "centre radius": ("centre = [2.5, 2.5]\nradius = 9", "centre = [4.5, 0.5]\nradius = 0.4"),
+}
+UNVISITED = {"segment radius": ("segment = [[2, 3], [3, 3]]\nradius = 9", "segment = [[4, 0.5], [5, 0.5]]\nradius = 0.4")}
+
+
+def mission_in(region: str) -> str:
+    return f'{FLAT}\n[[region]]\nname = "dock"\n{region}\n[[mission]]\nvisit = "dock"\n'
+
+
+def test_the_checker_says_no_for_a_region_of_any_form_where_the_tube_never_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The files of a tube that visits a box, with another region in the task. Hashes alone must not be what refuses it."""
+    assert {*REGIONS, *UNVISITED} == set(checker.FORMS)
+    controller = built(parse_task(mission_in("lower = [2, 2]\nupper = [3, 3]")))
+    load = checker.Task.__init__
+
+    def load_with_digest(task: checker.Task, data: bytes) -> None:
+        load(task, data)
+        task.digest = controller.task.digest
+
+    monkeypatch.setattr(checker.Task, "__init__", load_with_digest)
+    verdicts = {
+        form: tuple(checked(mission_in(region), controller.files, tmp_path) for region in regions)
+        for form, regions in {**REGIONS, **UNVISITED}.items()
+    }
+    assert verdicts == {**dict.fromkeys(REGIONS, (0, 1)), **dict.fromkeys(UNVISITED, (2, 2))}
+
+
+def test_the_checker_knows_no_half_spaces_of_a_set_by_fields_that_it_does_not_read() -> None:
+    """An empty list of conditions would hold of every point."""
+    with pytest.raises(checker.Unusable, match="by 'corner'"):
+        checker._cuts({"name": "dock", "corner": [2, 3]}, ["x", "y"])
+
+
 @pytest.mark.slow
 def test_arenas_of_polygons_discs_and_capsules_are_certified_and_the_checker_agrees(tmp_path: Path) -> None:
     dice, certified = Random(7), 0
