@@ -31,10 +31,10 @@ from pathlib import Path
 from stt_codegen.certify import Certificate
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import DesignKind, kinds_offering
-from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design
+from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design, require_design
 from stt_codegen.errors import BadInput, NotCertified, about, noted
 from stt_codegen.program import Program
-from stt_codegen.task import Task, load_task
+from stt_codegen.task import Task, load_task, require_offered
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def build_task(task: Task, uncertified: bool = False, tube: Design | None = None
     require_supported(task)
     if tube is not None:
         require_design_for(task, tube)
-    design = tube or design_tube(task)
+    design = design_tube(task) if tube is None else tube
     task = with_chosen_gain(task, design)
     program = build_program(task, design)
     certificate = certify(task, design, program)
@@ -103,13 +103,15 @@ def require_supported(task: Task) -> None:
     if task.control.period is not None and not offered.proves_periods:
         kinds = kinds_offering("proves_periods")
         raise BadInput(f"control.period: is proved for {kinds} tubes only; leave it out for a {task.tube.design} one")
+    require_offered(task, task.tube.design)
 
 
 def require_design_for(task: Task, tube: Design) -> None:
-    """Raise `BadInput` where the tube is not of the kind, dimension, order or prescribed time that the task states.
+    """Raise `BadInput` where it is no tube, or not of the kind, dimension, order, time or cycle that the task states.
 
     What a certificate must prove depends on the kind: one that proves no period would hold for a task that asks for one.
     """
+    require_design(tube)
     if tube.kind != task.tube.design:
         raise BadInput(
             f'tube: is of the kind "{tube.kind}"; the task has tube.design = "{task.tube.design}", design the tube for this task'
@@ -125,6 +127,9 @@ def require_design_for(task: Task, tube: Design) -> None:
             f"tube: ends at {decimal(tube.prescribed_time)} s; the task has prescribed_time = {decimal(task.prescribed_time)}, "
             "design the tube for this task"
         )
+    if (tube.cycle_begin is not None) != task.repeat:
+        ends = "ends at t_c" if tube.cycle_begin is None else "repeats its last part for ever"
+        raise BadInput(f"tube: {ends}; the task has repeat = {str(task.repeat).lower()}, design the tube for this task")
 
 
 def with_chosen_gain(task: Task, design: Design) -> Task:
@@ -146,8 +151,10 @@ def build_program(task: Task, design: Design) -> Program:
 def certify(task: Task, design: Design, program: Program) -> Certificate:
     """Certify the tube and the program: P1 to P7, P8 with limits, P9 with a period, P10 with a mission, each with its margin.
 
-    The certificate may fail; `build` decides what follows from that.
+    The certificate may fail; `build` decides what follows from that. Raises `BadInput` where the task makes a demand that
+    tubes of this kind do not fulfil: their certificate would say nothing of it.
     """
+    require_offered(task, design.kind)
     return replace(STAGES[design.kind].certify(task, design, program), axes=task.axis_words)
 
 

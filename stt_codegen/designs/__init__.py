@@ -3,7 +3,7 @@
 from stt_codegen.designs.adaptive import GRID_STEPS, AdaptiveDesign, Bump, grid_tube, parameters_of, require_adaptive
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges, slopes_at_start
 from stt_codegen.designs.refined import COEFFICIENT_BIT_LIMIT, RefinedDesign, require_refined
-from stt_codegen.designs.tube import LOWER, MINIMUM_WIDTH, UPPER, Design, Edge, for_any_design
+from stt_codegen.designs.tube import LOWER, MINIMUM_WIDTH, UPPER, Design, Edge, for_any_design, require_design
 
 __all__ = [
     "COEFFICIENT_BIT_LIMIT",
@@ -22,6 +22,7 @@ __all__ = [
     "grid_tube",
     "parameters_of",
     "require_adaptive",
+    "require_design",
     "require_refined",
     "slopes_at_start",
 ]

@@ -17,7 +17,8 @@ import numpy as np
 from stt_codegen import reference
 from stt_codegen.decimals import nine_digits
 from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
-from stt_codegen.designs.tube import LOWER, UPPER, Array, Design, Edge
+from stt_codegen.designs.tube import LOWER, UPPER, Array, Design, Edge, require_time
+from stt_codegen.errors import BadInput
 
 GRID_STEPS = 4000  # steps from 0 to t_c
 
@@ -63,6 +64,23 @@ class AdaptiveDesign:
     filter: ClassVar[tuple[Fraction, ...]] = ()
     cycle_begin: ClassVar[None] = None
     parts: ClassVar[None] = None
+
+    def __post_init__(self) -> None:
+        """Raise `BadInput` where the numbers are of no tube: a user may change any field."""
+        require_time(self.prescribed_time)
+        if self.kind not in ("adaptive", "literal"):
+            raise BadInput(f'tube: is of the kind {self.kind!r}; these numbers are of an "adaptive" or a "literal" one')
+        n = len(self.start)
+        for name in ("start", "target", "walls"):
+            pairs = getattr(self, name)
+            if not n or len(pairs) != n or any(len(pair) != 2 for pair in pairs):
+                raise BadInput(f"tube: has {len(pairs)} entries in {name}; {n or 1} pairs are needed, lower and upper")
+        numbers = [getattr(self, name) for name in ("theta0", "kappa", "mu", "varsigma", "nu")]
+        numbers += [v for name in ("start", "target", "walls") for pair in getattr(self, name) for v in pair]
+        if not all(isinstance(v, Fraction) for v in numbers):
+            raise BadInput("tube: has a parameter that is no Fraction")
+        if any(not 0 <= bump.dimension < n or bump.side not in (LOWER, UPPER) for bump in self.bumps):
+            raise BadInput(f"tube: has a circumvent function for no edge; dimensions are 0 to {n - 1}, sides {LOWER} and {UPPER}")
 
     @property
     def capabilities(self) -> Capabilities:

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import KW_ONLY, asdict, dataclass
 from fractions import Fraction
 from functools import cached_property
+from numbers import Integral
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,7 +22,8 @@ import numpy.typing as npt
 
 from stt_codegen import reference
 from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
-from stt_codegen.designs.tube import Array, Design
+from stt_codegen.designs.tube import Array, Design, require_time
+from stt_codegen.errors import BadInput
 
 COEFFICIENT_BIT_LIMIT = 50  # of a table entry; Bezier coefficients are up to 6 times as large
 
@@ -49,9 +51,24 @@ class RefinedDesign:
     is_stateful: ClassVar[bool] = False  # the tube is a function of time alone
 
     def __post_init__(self) -> None:
-        """Refuse a table whose Bezier coefficients are not exact in a double, since the certificate and the file rest on that."""
+        """Raise `BadInput` where the numbers are of no tube, or of one whose Bezier coefficients are not exact in a double.
+
+        The certificate and the emitted file rest on all of this, and a user may change any field.
+        """
+        require_time(self.prescribed_time)
+        count, n = len(self.table), len(self.table[0]) if self.table else 0
+        if self.segments < 1 or count != self.segments + 3:
+            raise BadInput(f"tube: has {count} control points; {self.segments} segments need {self.segments + 3}, and at least 4")
+        if not n or any(len(row) != n or any(len(pair) != 2 for pair in row) for row in self.table):
+            raise BadInput("tube: has rows of unequal length in its table; each has a pair, lower and upper, for every dimension")
+        if not all(isinstance(v, Integral) for row in self.table for pair in row for v in pair):
+            raise BadInput("tube: has a number in its table that is not whole; entries are counted in units of 2**-bits")
+        if self.filter and (len(self.filter) != n or not all(isinstance(v, Fraction) and v > 0 for v in self.filter)):
+            raise BadInput(f"tube: has the filter {self.filter!r}; it is empty, or has {n} Fractions above 0")
+        if self.seam is not None and not 0 <= self.seam < self.segments:
+            raise BadInput(f"tube: has its seam at segment {self.seam}; it is one of the {self.segments} segments, or None")
         if self.coefficient_bits > COEFFICIENT_BIT_LIMIT:
-            raise ValueError(f"a coefficient of the tube needs more than {COEFFICIENT_BIT_LIMIT} bits")
+            raise BadInput(f"tube: a coefficient needs more than {COEFFICIENT_BIT_LIMIT} bits")
 
     @property
     def capabilities(self) -> Capabilities:

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar, runtime_checkable
 
 import numpy.typing as npt
 
 from stt_codegen.design_kinds import Capabilities, DesignKind
+from stt_codegen.errors import BadInput
 
 LOWER, UPPER = 0, 1  # the sides, as indices
 Edge = tuple[Fraction, Fraction]  # lower, upper
@@ -19,6 +20,7 @@ MINIMUM_WIDTH = Fraction(1, 1 << 20)  # narrower tubes are treated as this wide,
 Array = npt.NDArray[Any]
 
 
+@runtime_checkable
 class Design(Protocol):
     """The numbers that fix a tube. What is done by kind stands in tables whose keys are kinds; this protocol has the rest."""
 
@@ -85,3 +87,16 @@ def for_any_design(
         return function(first, design, *rest, **named)
 
     return with_class_checked
+
+
+def require_design(value: object) -> Design:
+    """Return the value if it is a design of any kind; raise `BadInput` with what it is otherwise."""
+    if isinstance(value, type) or not isinstance(value, Design):
+        raise BadInput(f"tube: is a {type(value).__name__}; a design is needed, as `design` returns it")
+    return value
+
+
+def require_time(prescribed_time: object) -> None:
+    """Raise `BadInput` where the prescribed time of a design is no exact number above 0."""
+    if not isinstance(prescribed_time, Fraction) or prescribed_time <= 0:
+        raise BadInput(f"tube: has prescribed_time = {prescribed_time}; a Fraction above 0 is needed, in seconds")

@@ -4,8 +4,21 @@ Large because the task format is here with all its checks: sets, missions, maps,
 """
 
 from stt_codegen.task.closed_axes import TWO_PI, ClosedAxis
+from stt_codegen.task.demands import require_offered
 from stt_codegen.task.keys import task_keys
 from stt_codegen.task.load import json_schema, load_task, parse_task
 from stt_codegen.task.task import Task
 
-__all__ = ["TWO_PI", "ClosedAxis", "Task", "json_schema", "load_task", "map", "mission", "parse_task", "sets", "task_keys"]
+__all__ = [
+    "TWO_PI",
+    "ClosedAxis",
+    "Task",
+    "json_schema",
+    "load_task",
+    "map",
+    "mission",
+    "parse_task",
+    "require_offered",
+    "sets",
+    "task_keys",
+]  # fmt: skip
