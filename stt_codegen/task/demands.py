@@ -21,7 +21,7 @@ class Demand:
 
     field: str
     what: str
-    is_made: Callable[[TaskTables], bool]
+    applies_to: Callable[[TaskTables], bool]
 
 
 def _has_other_shapes(task: TaskTables) -> bool:
@@ -59,6 +59,6 @@ def require_offered(task: TaskTables, kind: DesignKind) -> None:
     """Raise `BadInput` where the task makes a demand that tubes of the kind do not fulfil."""
     offered = CAPABILITIES[kind]
     for capability, demand in DEMANDS.items():
-        if not getattr(offered, capability) and demand.is_made(task):
+        if not getattr(offered, capability) and demand.applies_to(task):
             kinds = kinds_offering(capability, quoted=True)
             raise BadInput(f"{demand.field}: asks for {demand.what}, which {kind} tubes do not offer; use tube.design = {kinds}")

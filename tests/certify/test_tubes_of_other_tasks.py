@@ -159,8 +159,8 @@ def is_refused(task: Task, kind: DesignKind) -> bool:
 def test_a_demand_that_a_kind_does_not_fulfil_reaches_no_certifier(capability: str, kind: DesignKind) -> None:
     """Even if no check of a field had refused it: the task goes straight to the certifier."""
     task = PLAIN.changed(**CHANGES[capability])
-    assert DEMANDS[capability].is_made(task)
-    assert not DEMANDS[capability].is_made(PLAIN)
+    assert DEMANDS[capability].applies_to(task)
+    assert not DEMANDS[capability].applies_to(PLAIN)
     offers = getattr(CAPABILITIES[kind], capability)
     assert is_refused(task, kind) == (not offers)
     unchecked = task.model_copy(update={"tube": task.tube.model_copy(update={"design": kind})})
@@ -176,6 +176,6 @@ def test_a_demand_that_a_kind_does_not_fulfil_reaches_no_certifier(capability: s
 @pytest.mark.parametrize("kind", CAPABILITIES)
 def test_the_second_defence_refuses_what_the_first_does(name: str, kind: DesignKind) -> None:
     offers_all = all(
-        getattr(CAPABILITIES[kind], capability) or not demand.is_made(TASKS[name]) for capability, demand in DEMANDS.items()
+        getattr(CAPABILITIES[kind], capability) or not demand.applies_to(TASKS[name]) for capability, demand in DEMANDS.items()
     )
     assert is_refused(TASKS[name], kind) == (not offers_all)
