@@ -73,7 +73,10 @@ right = shipped.conflict_in_sigma
 
 def wrong_sign(start: Any, target: Any, unsafe: Any) -> Interval:
     """rho_L >= upper(U) in the place of rho_L <= upper(U)."""
-    above, below = shipped._at_least(start[1], target[1], unsafe[0]), shipped._at_least(start[0], target[0], unsafe[1])
+    above, below = (
+        shipped._where_at_least(start[1], target[1], unsafe[0]),
+        shipped._where_at_least(start[0], target[0], unsafe[1]),
+    )
     if above is None or below is None:
         return None
     low, high = max(above[0], below[0]), min(above[1], below[1])
@@ -82,12 +85,15 @@ def wrong_sign(start: Any, target: Any, unsafe: Any) -> Interval:
 
 def one_sided(start: Any, target: Any, unsafe: Any) -> Interval:
     """Only the first inequality."""
-    return shipped._at_least(start[1], target[1], unsafe[0])
+    return shipped._where_at_least(start[1], target[1], unsafe[0])
 
 
 def hull(start: Any, target: Any, unsafe: Any) -> Interval:
     """The join of both half lines where it should be their meet."""
-    above, below = shipped._at_least(start[1], target[1], unsafe[0]), shipped._at_least(-start[0], -target[0], -unsafe[1])
+    above, below = (
+        shipped._where_at_least(start[1], target[1], unsafe[0]),
+        shipped._where_at_least(-start[0], -target[0], -unsafe[1]),
+    )
     if above is None or below is None:
         return None
     return min(above[0], below[0]), max(above[1], below[1])

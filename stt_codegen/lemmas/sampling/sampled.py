@@ -1,6 +1,6 @@
 """Lemmas about sampled control: conditions under which |eps| < E stays true while u is held between samples.
 
-`sampling/statements.py` evaluates these statements. If some |eps_i| reached E, then at the first such time r = xdot -
+`sampling/sampling_conditions.py` evaluates these statements. If some |eps_i| reached E, then at the first such time r = xdot -
 (gammadot_s + gammadot_d e)/2 would not point inward (`first_exit.py`). Each statement shows that r does point inward, although u
 is that of an older sample, and names the steps of that argument. By symmetry (transform.odd) it is about the upper edge and
 k > 0. P bounds |f + w| + |edge rate|; (gammadot_s + gammadot_d e)/2 is a mean of both edges' rates.
