@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -23,9 +23,7 @@ from stt_codegen.cli.options import (
 from stt_codegen.errors import BadInput
 from stt_codegen.program.targets import optional_targets
 
-if TYPE_CHECKING:
-    from stt_codegen.pipeline import EmittedController
-    from stt_codegen.task import Task
+Controllers = list[tuple[Path, Any]]  # task files and their controllers; pipeline.py, which has their class, is imported late
 
 
 def generate(
@@ -86,9 +84,7 @@ def _require_compatible(*, out: Path | None, record: Path | None, package: str, 
         raise BadInput("--theorem: is written beside the plain files; leave out --record and --package")
 
 
-def _build_all(
-    tasks: list[Path], *, design: str | None, scalar: str | None, uncertified: bool, package: str
-) -> list[tuple[Path, EmittedController]]:
+def _build_all(tasks: list[Path], *, design: str | None, scalar: str | None, uncertified: bool, package: str) -> Controllers:
     """Build the controller of each task, all of them before any is written."""
     from stt_codegen.pipeline import build
 
@@ -100,9 +96,7 @@ def _build_all(
     return controllers
 
 
-def _files_of_all(
-    controllers: list[tuple[Path, EmittedController]], *, package: str, plant: str | None, theorem: bool
-) -> list[dict[str, bytes]]:
+def _files_of_all(controllers: Controllers, *, package: str, plant: str | None, theorem: bool) -> list[dict[str, bytes]]:
     """Return the contents of the files of each controller by path, in the package's layout."""
     from stt_codegen.plants import plant_of
     from stt_codegen.record import package as package_files
@@ -115,9 +109,7 @@ def _files_of_all(
     return contents
 
 
-def _require_safe_targets(
-    controllers: list[tuple[Path, EmittedController]], contents: list[dict[str, bytes]], record: Path | None, out: Path
-) -> None:
+def _require_safe_targets(controllers: Controllers, contents: list[dict[str, bytes]], record: Path | None, out: Path) -> None:
     """Raise `BadInput` where a file would replace a task, a certified controller, or a file of another task."""
     from stt_codegen.record import folder_of, keep_apart, keep_certified, keep_inputs
 
@@ -133,7 +125,7 @@ def _require_safe_targets(
 
 
 def _write_all(
-    controllers: list[tuple[Path, EmittedController]],
+    controllers: Controllers,
     contents: list[dict[str, bytes]],
     *,
     record: Path | None,
@@ -162,7 +154,7 @@ def _theorem_file(task: bytes, name: str, files: dict[str, bytes]) -> dict[str, 
     return {f"{name}.v": text}
 
 
-def _notes(controller: EmittedController) -> Iterator[str]:
+def _notes(controller: Any) -> Iterator[str]:
     """Yield what a refined tube's certificate does not prove, and what the task does not say: notes that `design` prints too."""
     from stt_codegen.report import Analysis, task_notes
 
@@ -179,7 +171,7 @@ def _notes(controller: EmittedController) -> Iterator[str]:
     yield from (f"not shown for {analysis.name}: {statement}; see `stt-codegen design`" for statement in unproved)
 
 
-def _set_notes(task: Task) -> Iterator[str]:
+def _set_notes(task: Any) -> Iterator[str]:
     """Yield notes about a round target, and about unsafe sets outside the state space."""
     from stt_codegen.task.sets import FAN_CORNER_DISTANCES
 

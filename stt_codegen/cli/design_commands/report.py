@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -21,10 +21,6 @@ from stt_codegen.cli.options import (
     say,
 )
 from stt_codegen.errors import BadInput
-
-if TYPE_CHECKING:
-    from stt_codegen.pipeline import EmittedController
-    from stt_codegen.report.page import Check
 
 
 def report(
@@ -90,7 +86,7 @@ def _require_page_and_boards(out: Path | None, boards: Sequence[str]) -> None:
         require_board(name)
 
 
-def _run_on_boards(controller: EmittedController, boards: Sequence[str]) -> list[Check]:
+def _run_on_boards(controller: Any, boards: Sequence[str]) -> list[Any]:
     """Run the C on each emulated board and compare it with the reference."""
     checks = []
     for name in boards:
