@@ -85,8 +85,22 @@ def holds(kind: str, loop: SampledLoop, eps_bound: Array, tau: float) -> bool:
     eps_bound = np.asarray(eps_bound, dtype=float)
     if not is_in_range(kind, loop, eps_bound, tau):
         return False
-    e = arb(float(eps_bound[0])) if kind == "general" else np.array([arb(v) for v in eps_bound.tolist()], dtype=object)
-    return first_failing(conditions_of(kind, in_balls(loop), e, arb(tau))) is None
+    return first_failing(conditions_of(kind, in_balls(loop), _as_balls(kind, eps_bound), arb(tau))) is None
+
+
+def _as_balls(kind: str, eps_bound: Array) -> Any:
+    """Return E as conditions of this kind take it, in balls: one for the norm, or one by component."""
+    return arb(float(eps_bound[0])) if kind == "general" else np.array([arb(v) for v in eps_bound.tolist()], dtype=object)
+
+
+def _inputs_above(kind: str, loop: SampledLoop, eps_bound: Array) -> Array:
+    """Return doubles that are not below the bound on |u|, by window and component.
+
+    They are ends of balls: near an edge the smallest measured distance is a difference of nearly equal numbers, and a double
+    loses digits there.
+    """
+    inputs = np.asarray(SAMPLING_CONDITIONS[kind].inputs(in_balls(loop), _as_balls(kind, eps_bound)), dtype=object)
+    return np.vectorize(lambda u: math.nextafter(float(arb(u).abs_upper()), math.inf), otypes=[float])(inputs)
 
 
 def is_in_range(kind: str, loop: SampledLoop, eps_bound: Array, tau: Any) -> bool:
@@ -152,8 +166,7 @@ def _period(kind: str, loop: SampledLoop, eps_bound: Array, tau: float, longest_
     """Return the record of a proved period, with its bottleneck at the longest tau."""
     window, dimension = _bottleneck(kind, loop, eps_bound, longest_tau)
     ends = (*loop.windows.times.tolist(), float(loop.windows.times[-1]))
-    inputs = np.asarray(SAMPLING_CONDITIONS[kind].inputs(loop, _as_argument(kind, eps_bound)), dtype=float)
-    u = np.minimum(inputs.max(axis=0) * (1 + 1e-12), loop.law.u_max)
+    u = np.minimum(_inputs_above(kind, loop, eps_bound).max(axis=0), loop.law.u_max)
     return Period(kind, tau, tuple(eps_bound.tolist()), tuple(u.tolist()), (ends[window], ends[window + 1], dimension))
 
 

@@ -201,7 +201,7 @@ def diagonal(loop: SampledLoop, eps_bound: Any, tau: Any) -> list[Condition]:
     law_input = 4 * loop.law.gain * q(eps_bound) / loop.windows.wide
     return [
         Condition("sampled.diagonal", law_input - staleness.input_change(tau) - needed),
-        Condition("sampled.saturated", loop.law.u_max - np.asarray(u, dtype=float) + 0 * eps_bound),
+        Condition("sampled.saturated", loop.law.u_max - u + 0 * eps_bound),
         Condition("sampled.diagonal", loop.diagonal_min + 0 * eps_bound),
         Condition("sampled.shift", near),
         Condition("sampled.diagonal", 1e-300 - loop.cross.sum(axis=-1) + 0 * eps_bound),
@@ -234,7 +234,7 @@ def general(loop: SampledLoop, eps_bound: Any, tau: Any) -> list[Condition]:
     staleness, near = _general_staleness(loop, eps_bound)
     q_n = eps_bound * np.cosh(eps_bound / (2 * staleness.root)) ** 2
     wide, gain, change = loop.windows.wide.max(axis=1), loop.law.gain[0], staleness.input_change(tau)
-    u = np.asarray(staleness.input_bound(), dtype=float)
+    u = staleness.input_bound()
     one_gain = 1.0 if (loop.law.gain == gain).all() else -1.0
     return [
         Condition("sampled.general", gain * loop.eigenvalue_min * 4 / wide * q_n - loop.closing_speed_norm - loop.norm * change),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import random
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flint import arb, ctx
 from typer.testing import CliRunner
 
 from benchmarks.sampled import drawn, factor, violations
@@ -23,9 +25,9 @@ from stt_codegen.pipeline import build
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.sampling.gains import choose_proved_gain
-from stt_codegen.sampling.periods import Period, holds, longest_proved_period
+from stt_codegen.sampling.periods import Period, _inputs_above, holds, longest_proved_period
 from stt_codegen.sampling.plant import bounds_of_task
-from stt_codegen.sampling.sampled_loop import SampledLoop, first_order_loop, law_of, start_bound_of_state
+from stt_codegen.sampling.sampled_loop import SampledLoop, first_order_loop, in_balls, law_of, start_bound_of_state
 from stt_codegen.sampling.sampling_conditions import SAMPLING_CONDITIONS, input_bound, input_per_gain, q
 from stt_codegen.sampling.windows import refined_windows
 from tests.support.controllers import ROOT, built, controller_of
@@ -368,3 +370,53 @@ def test_no_warning_of_a_library_stands_beside_a_refusal(bounds: str, command: s
         app, [command, str(tmp_path / "task.toml"), *(["--out", str(tmp_path)] * (command == "generate"))]
     )
     assert isinstance(result.exception, NotCertified | SystemExit), repr(result.exception)
+
+
+# ------------------------------------------------------------------------------------- what decides where a bound is near a limit
+
+KINDS_OF_NORMS = ("diagonal", "general")
+
+
+def near_its_edge(gain: float) -> SampledLoop:
+    """Return a loop of one component whose noise is nearly the smallest distance that its law measures."""
+    loop = replace(drawn(random.Random(7), False), noise=1e-9, latency=0.0, u_max=math.inf).setting(0.1)
+    return loop.with_law(gain=np.full_like(loop.law.gain, gain))
+
+
+def exact_input_bound(kind: str, loop: SampledLoop, bound: float, bits: int = 300) -> arb:
+    """Return the largest bound on |u| at |eps| = bound, in balls of so many bits."""
+    with ctx.workprec(bits):
+        e = arb(bound) if kind == "general" else np.array([arb(bound)] * loop.law.gain.size, dtype=object)
+        inputs = np.ravel(np.asarray(SAMPLING_CONDITIONS[kind].inputs(in_balls(loop), e), dtype=object))
+        return max((arb(v) for v in inputs), key=float)
+
+
+@pytest.mark.parametrize("kind", KINDS_OF_NORMS)
+def test_a_limit_on_u_between_the_ends_of_a_ball_is_not_proved(kind: str) -> None:
+    """A limit just above the middle of the ball of |u| may be below |u|; a limit above its end is proved."""
+    tried = 0
+    for gain, bound in itertools.product((0.05, 0.5, 3.0), np.linspace(0.2, 5.2, 60)):
+        loop = near_its_edge(gain)
+        middle = math.nextafter(float(exact_input_bound(kind, loop, bound, 53).mid()), math.inf)
+        e = arb(bound) if kind == "general" else np.array([arb(bound)] * loop.law.gain.size, dtype=object)
+        for limit in (middle, middle * (1 + 1e-6)):
+            limited = loop.with_law(u_max=np.full_like(loop.law.u_max, limit))
+            saturated = SAMPLING_CONDITIONS[kind].conditions(in_balls(limited), e, arb(1e-7))[1]
+            assert saturated.lemma == "sampled.saturated"
+            is_below = bool(np.all(saturated.values > 0))
+            with ctx.workprec(300):
+                assert not is_below or exact_input_bound(kind, loop, bound) < arb(limit)
+            tried += not is_below
+            assert is_below or limit == middle
+    assert tried
+
+
+@pytest.mark.parametrize("kind", SAMPLING_CONDITIONS)
+def test_the_bound_on_u_of_a_period_is_not_below_the_exact_one(kind: str) -> None:
+    """Also where a measured distance is a difference of nearly equal numbers, of which doubles keep few digits."""
+    for gain, before in itertools.product((0.05, 3.0), (15.0, 1.0, 1e-3, 1e-7)):
+        loop = near_its_edge(gain)
+        bound = math.log(loop.narrow.min() / loop.law.shift.max() - 1) - before  # there the smallest distance is 0
+        above = _inputs_above(kind, loop, np.full_like(loop.law.gain, bound)).max()
+        with ctx.workprec(300):
+            assert arb(float(above)) >= exact_input_bound(kind, loop, bound)
