@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, get_args
 
 import typer
 
 from stt_codegen.board import BOARDS
 from stt_codegen.cli.options import Json, say
+from stt_codegen.design_kinds import DesignKind
 from stt_codegen.errors import BadInput
 
 suites = typer.Typer(
@@ -25,7 +26,7 @@ def arenas(
     family: Annotated[
         list[str] | None, typer.Option(help="paper, dense12, dense24, space3, space6 or corridor; may be repeated")
     ] = None,
-    design: Annotated[list[str] | None, typer.Option(help="refined, adaptive or literal; may be repeated")] = None,
+    design: Annotated[list[str] | None, typer.Option(help=f"{', '.join(get_args(DesignKind))}; may be repeated")] = None,
     count: Annotated[int | None, typer.Option(min=1, help="at most so many arenas of each family")] = None,
     clearance: Annotated[float | None, typer.Option(help="override tube.clearance", show_default="0.03")] = None,
     min_width: Annotated[float | None, typer.Option(help="override tube.min_width", show_default="0.05")] = None,

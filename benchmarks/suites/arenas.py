@@ -23,6 +23,7 @@ import numpy as np
 from benchmarks.suites.families import BOX, FAMILIES, arena_task, feasible
 from benchmarks.suites.report import number
 from stt_codegen.certify.certificate import Certificate
+from stt_codegen.design_kinds import CAPABILITIES, DesignKind
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
 
 WAIT = 30  # seconds for a first worker of a cluster
@@ -35,7 +36,7 @@ class Job:
 
     family: str
     seed: int
-    design: str
+    design: DesignKind
     clearance: float = 0.03
     min_width: float = 0.05
 
@@ -109,7 +110,7 @@ def _speeds(job: Job, certificate: Certificate) -> tuple[float, float]:
         return float("nan"), float("nan")
     least = route.length / arena.prescribed_time
     slowest = float("nan")
-    if job.design == "refined" and certificate.holds and FAMILIES[job.family].length is None:
+    if CAPABILITIES[job.design].offers_widths and certificate.holds and FAMILIES[job.family].length is None:
         slow = certify_refined(task, refine(task.changed(tube={"prefer": "slow"})), certificate.edge_error)
         slowest = float(max(slow.speed)) / least
     return float(max(certificate.speed)) / least, slowest
@@ -216,7 +217,7 @@ class Part:
     """One row of the table: so many arenas of a family, designed so."""
 
     family: str
-    design: str
+    design: DesignKind
     count: int
     clearance: float = 0.03
     min_width: float = 0.05

@@ -7,18 +7,20 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import cast, get_args
 
 from benchmarks.peers.in_loops import FEW, POLICIES
 from benchmarks.suites.arenas import EVERYTHING, HEADINGS, Part, Result, Summary, failures, row, run, run_peers, spread, summary
 from benchmarks.suites.families import FAMILIES
 from benchmarks.suites.report import command, machine, record, table, versions
+from stt_codegen.design_kinds import CAPABILITIES, DesignKind
 from stt_codegen.errors import BadInput
 
-DESIGNS = ("refined", "adaptive", "literal")
+DESIGNS: tuple[DesignKind, ...] = get_args(DesignKind)
 
 
 @dataclass(frozen=True)
@@ -93,12 +95,12 @@ def parts_of(wanted: Arenas) -> list[Part]:
     if family is None and design is None and clearance is None and min_width is None:
         parts = list(EVERYTHING)
     else:
-        usual = {p.family: p.count for p in reversed(EVERYTHING) if p.design == "refined"}
+        usual = {p.family: p.count for p in reversed(EVERYTHING)}  # of the first row of each family
         parts = [
             Part(f, d, usual[f], 0.03 if clearance is None else clearance, 0.05 if min_width is None else min_width)
             for f in family or FAMILIES
-            for d in design or DESIGNS
-            if (FAMILIES[f].length is None and FAMILIES[f].shape == "cube") or d == "refined"
+            for d in cast(Sequence[DesignKind], design or DESIGNS)
+            if (FAMILIES[f].length is None and FAMILIES[f].shape == "cube") or CAPABILITIES[d].avoids_any_shape
         ]
     return [Part(p.family, p.design, min(p.count, count or p.count), p.clearance, p.min_width) for p in parts]
 

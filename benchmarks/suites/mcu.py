@@ -156,7 +156,7 @@ def beside(board: Board, points: int, said: Callable[[str], None]) -> Iterator[L
             ("CasADi's C, as generated", casadi_text(controller, False)),
             ("CasADi's C, single precision", casadi_text(controller, True)),
         ]
-        if design == "refined":
+        if controller.design.capabilities.inlines_logarithm:
             yield replace(measured(variant("refined", "float", "inline"), board, "emitted, refined, inline", points)[0])
             yield from in_rust(board, points, said)
             rivals += [("written by hand", hand_text(controller)), ("n logarithms, n divisions", floor_text(controller))]

@@ -4,7 +4,7 @@ and the grids."""
 from __future__ import annotations
 
 import tracemalloc
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from benchmarks.peers.policy import load_policy
 from benchmarks.peers.symbolic import Abstraction, synthesize, tried
 from benchmarks.suites.families import FAMILIES, cubes, feasible
 from benchmarks.suites.report import number
+from stt_codegen.design_kinds import DesignKind
 from stt_codegen.errors import MissingTool
 
 PAPER = FAMILIES["paper"]
@@ -30,7 +31,7 @@ PRINTED = (
     ("spatiotemporal tubes", 100.00, 0.02, ()),
 )
 RUNS = ("policy", "runs", "in the target at 9 s", "met an unsafe set", "left the room", "good", "a step, median / 95 %")
-WORDS = ("literal", "adaptive", "refined")
+WORDS: Mapping[DesignKind, str] = {"literal": "as printed", "adaptive": "its functions, mended", "refined": "ours"}
 SYMBOLIC = (
     "grid",
     "inputs",
@@ -87,12 +88,13 @@ def table_i(found: dict[str, list[Outcome]], tubes: Sequence[Any], policies: Pat
             took = _times(found[peer.name], False) if not trained else f"{_training(peer.name, policies)} once for all arenas"
             rows.append([*first, peer.name, _success(found[peer.name]), took])
             first = ["", "", ""]
-        for s in sorted(tubes, key=lambda s: WORDS.index(s.design)) if not starts else ():
+        for s in sorted(tubes, key=lambda s: list(WORDS).index(s.design)) if not starts else ():
             whole = s.both_ms if s.certified else s.design_ms
-            label = dict(zip(WORDS, ("as printed", "its functions, mended", "ours"), strict=True))[s.design]
             told = "certified" if s.certified else "none is a tube"
             median, late = (number(v) for v in whole)
-            rows.append([*first, f"{s.design} ({label}): {told}", f"{s.certified} of {s.arenas}", f"{median} / {late} ms"])
+            rows.append(
+                [*first, f"{s.design} ({WORDS[s.design]}): {told}", f"{s.certified} of {s.arenas}", f"{median} / {late} ms"]
+            )
             first = ["", "", ""]
         if len(rows) == before:
             rows.append([*first, "left out: `make policies` trains them", "", ""])
