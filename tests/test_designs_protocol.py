@@ -1,108 +1,155 @@
 """A design answers for itself: outside of designs/ nobody asks of which class it is or compares the name of its kind.
 
 What must differ by kind stands in tables whose keys are kinds. A fourth kind is a row of design_kinds.py, a class in designs/ and one
-entry in each of TABLES; these tests name what is missing.
+entry in each of TABLES; these tests name what is missing. tests/recipes follows that recipe with a sample.
 """
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Iterator
-from typing import get_args
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from stt_codegen import designs
 from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
-from stt_codegen.designs import Design, require_adaptive, require_refined
+from stt_codegen.designs import Design
 from stt_codegen.pipeline import design_tube
 from stt_codegen.task import load_task
 from tests.support.controllers import ROOT
+from tests.support.design_kinds import (
+    KINDS,
+    READS_OF_A_KIND,
+    REQUIRE,
+    IsRead,
+    Source,
+    comparisons,
+    is_called_a_kind,
+    lists_of_all_kinds,
+)
+from tests.support.mypy_records import reads_of, run_mypy
 
 PACKAGE = ROOT / "stt_codegen"
-KINDS = set(get_args(DesignKind))
-CLASSES = {
-    node.name
-    for path in (PACKAGE / "designs").glob("*.py")
-    for node in ast.parse(path.read_text()).body
-    if isinstance(node, ast.ClassDef) and node.name.endswith("Design")
-}
-REQUIRE = {
-    node.name
-    for path in (PACKAGE / "designs").glob("*.py")
-    for node in ast.parse(path.read_text()).body
-    if isinstance(node, ast.FunctionDef) and node.name.startswith("require_")
-}
-MAY_ASK = {"certify/checker.py": "it imports nothing of the package and reads the name in a certificate"}
-
 # What differs by kind, each in one place. `Stages`: how a tube is designed, programmed and certified.
 TABLES = {
-    "compare/comparison.py: BY_KIND",
-    "design_kinds.py: CAPABILITIES",
-    "emit/document.py: BODIES",
-    "lemmas/emitted/functions.py: FORMULAS",
-    "pipeline.py: STAGES",
-    "report/analysis.py: READINGS",
+    "stt_codegen/compare/comparison.py: BY_KIND",
+    "stt_codegen/design_kinds.py: CAPABILITIES",
+    "stt_codegen/emit/document.py: BODIES",
+    "stt_codegen/lemmas/emitted/functions.py: FORMULAS",
+    "stt_codegen/pipeline.py: STAGES",
+    "stt_codegen/report/analysis.py: READINGS",
+    "benchmarks/suites/printed.py: WORDS",
 }
-
-
-def constants_in(*nodes: ast.AST) -> set[object]:
-    return {n.value for node in nodes for n in ast.walk(node) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
-
-
-def names_in(node: ast.AST) -> set[str]:
-    names = {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
-    return names | {n.attr for n in ast.walk(node) if isinstance(n, ast.Attribute)}
-
-
-def is_a_design(node: ast.AST) -> bool:
-    return (isinstance(node, ast.Name) and node.id == "design") or (isinstance(node, ast.Attribute) and node.attr == "design")
-
-
-def questions(text: str) -> Iterator[tuple[int, str]]:
-    """Lines that ask of which kind a design is, and how: of its class, its name, or what attributes it has."""
-    for node in ast.walk(ast.parse(text)):
-        match node:
-            case ast.Call(func=ast.Name(id="isinstance" | "issubclass"), args=[_, classes]) if names_in(classes) & CLASSES:
-                yield node.lineno, "asks of its class"
-            case ast.Call(func=ast.Name(id="hasattr" | "getattr"), args=[subject, *_]) if is_a_design(subject):
-                yield node.lineno, "asks what attributes it has"
-            case ast.Compare() if constants_in(node.left, *node.comparators) & KINDS:
-                yield node.lineno, "compares the name of a kind"
-            case ast.Compare(ops=[ast.Is() | ast.IsNot() | ast.Eq() | ast.NotEq()]) if names_in(node) & CLASSES:
-                yield node.lineno, "compares its class"
-            case ast.MatchClass(cls=cls) if names_in(cls) & CLASSES:
-                yield node.lineno, "matches its class"
-            case ast.MatchValue(value=value) if constants_in(value) & KINDS:
-                yield node.lineno, "matches the name of a kind"
-            case ast.Try(body=body) if any(names_in(statement) & REQUIRE for statement in body):
-                yield node.lineno, "asks by an exception"
-            case ast.Subscript(value=ast.Dict(keys=keys)) if constants_in(*filter(None, keys)) & KINDS:
-                yield node.lineno, "looks the name of a kind up"
-            case ast.Call(func=ast.Attribute(value=ast.Dict(keys=keys))) if constants_in(*filter(None, keys)) & KINDS:
-                yield node.lineno, "looks the name of a kind up"
+# Where the name of a kind is written beside the tables, and what it is there.
+WRITTEN = {
+    "certify/__init__.py": "a sub-room",
+    "certify/checker.py": "the name in a certificate; the checker imports nothing of the package",
+    "design/paper_tubes/adaptive_search.py": "the kind that it designs",
+    "design/paper_tubes/literal.py": "the kind that it designs",
+    "design_kinds.py": "the list",
+    "lemmas/book.py": "a module",
+    "lemmas/emitted/examples.py": "an example of each class of designs",
+    "lemmas/emitted/functions.py": "the example that a lemma is about",
+    "report/page/drive.py": "a key of the page's data",
+    "task/schema.py": "the default",
+}
 
 
 def sources() -> dict[str, str]:
     return {str(path.relative_to(PACKAGE)): path.read_text() for path in sorted(PACKAGE.rglob("*.py"))}
 
 
+def source_of(name: str, text: str, is_read: IsRead = is_called_a_kind) -> Source:
+    """Return a source of the package, with the tables that it defines and those that it may look a kind up in."""
+    own = {table.split(": ")[1] for table in TABLES if table.startswith(f"stt_codegen/{name}: ")}
+    return Source(text, own, {table.split(": ")[1] for table in TABLES}, is_read)
+
+
+def recorded(path: Path) -> IsRead:
+    """Return whether mypy recorded an attribute of a source as the name of a kind."""
+    reads = reads_of(ROOT, path)
+    if reads is None:
+        return is_called_a_kind
+    return lambda node: any(
+        name in READS_OF_A_KIND and name.endswith(f".{node.attr}") for name in reads.get((node.lineno, node.col_offset), ())
+    )
+
+
+def questions(text: str) -> list[tuple[int, str]]:
+    """Return what a source asks that stands alone, where `.kind` is always that of a design and BY_KIND is a table."""
+    return list(Source(text, {"BY_KIND"}, {"BY_KIND"}).questions())
+
+
+@pytest.mark.xdist_group("unused")
 def test_nobody_asks_of_which_kind_a_design_is() -> None:
-    assert {"RefinedDesign", "AdaptiveDesign"} <= CLASSES
-    asked = {
-        name: list(questions(text))
+    run_mypy(ROOT)
+    questions_by_file = {
+        name: [
+            f"line {line}: {question}"
+            for line, question in source_of(name, text, recorded(PACKAGE / name)).questions()
+            if not (name in WRITTEN and question.startswith("writes"))
+        ]
         for name, text in sources().items()
-        if not name.startswith("designs/") and any(questions(text))
+        if not name.startswith("designs/")
     }
-    assert {name: lines for name, lines in asked.items() if name not in MAY_ASK} == {}
-    assert MAY_ASK.keys() - asked.keys() == set(), "take it off the list"
+    assert {name: lines for name, lines in questions_by_file.items() if lines} == {}
+
+
+def test_names_of_kinds_are_written_where_the_list_says() -> None:
+    writing = {
+        name
+        for name, text in sources().items()
+        if any(question.startswith("writes") for _, question in source_of(name, text).questions())
+    }
+    assert {name for name in writing if not name.startswith("designs/")} == set(WRITTEN)
+
+
+def test_mypy_records_where_the_name_of_a_kind_is_read() -> None:
+    """The records have the names that the law looks for: a class that moves must not make it blind."""
+    run_mypy(ROOT)
+    reads = reads_of(ROOT, PACKAGE / "pipeline.py")
+    assert reads is not None
+    names = set().union(*reads.values())
+    assert {"stt_codegen.designs.tube.Design.kind", "stt_codegen.task.schema.TubeOptions.design"} <= names
+
+
+SCRIPTS = sorted((ROOT / "benchmarks").rglob("*.py"))
+TEMPLATES = [
+    p for root in ("templates", "stt_codegen") for ending in ("j2", "js") for p in sorted((ROOT / root).rglob(f"*.{ending}"))
+]
+NAMED = rf"[\"'`](?:{'|'.join(sorted(KINDS))})[\"'`]"
+A_KIND = r"(?:(?<![\w.])|\bdesign\.)kind\b"
+IN_A_TEMPLATE = re.compile(rf"{NAMED}|{A_KIND}\s*(?:[!=]=|in\b|is\b)|[!=]==?\s*{A_KIND}")
 
 
 def test_no_template_compares_the_name_of_a_kind() -> None:
-    compared = re.compile(r"\b(\w*kind|design)\s*[!=]=\s*[\"'](" + "|".join(sorted(KINDS)) + ")[\"']")
-    assert compared.search('{% if kind == "refined" %}')
-    assert [p.name for p in (ROOT / "templates").rglob("*.j2") if compared.search(p.read_text())] == []
+    assert {p.name for p in TEMPLATES} > {"page.js", "controller.h.j2", "controller.rs.j2", "page.html.j2"}
+    assert [p.name for p in TEMPLATES if IN_A_TEMPLATE.search(p.read_text())] == []
+
+
+@pytest.mark.parametrize(
+    ("text", "is_seen"),
+    [
+        ('{% if kind == "refined" %}', True),
+        ("{% if kind in names %}", True),
+        ("{% if names[0] == design.kind %}", True),
+        ("if (setting.design === 'literal') {", True),
+        ('if (wind.kind === "random") {', False),
+        ("{{ kind }} tube", False),
+        ("{% if is_stateful %}a literal is a number{% endif %}", False),
+    ],
+)
+def test_a_comparison_in_a_template_is_seen(text: str, is_seen: bool) -> None:
+    assert bool(IN_A_TEMPLATE.search(text)) == is_seen
+
+
+def test_no_benchmark_compares_kinds_or_lists_them() -> None:
+    hits = {str(p.relative_to(ROOT)): (comparisons(p.read_text()), lists_of_all_kinds(p.read_text())) for p in SCRIPTS}
+    assert {path: lines for path, lines in hits.items() if any(lines)} == {}
+    assert comparisons('job.design == "refined"') == comparisons('d in ("adaptive", "x")') == [1]
+    assert lists_of_all_kinds('("literal", "refined", "adaptive")') == [1]
 
 
 @pytest.mark.parametrize(
@@ -111,50 +158,74 @@ def test_no_template_compares_the_name_of_a_kind() -> None:
         "isinstance(design, RefinedDesign)",
         "isinstance(a.design, (int, designs.AdaptiveDesign))",
         "isinstance(x, RefinedDesign | AdaptiveDesign)",
+        "from stt_codegen.designs import RefinedDesign as R\nisinstance(design, R)",
         'task.tube.design != "refined"',
         '"literal" == kind',
-        'design.kind in ("adaptive", "literal")',
+        'REFINED = "refined"\ndesign.kind == REFINED',
+        "design.kind in SPLINES",
+        'design.kind.startswith("ref")',
+        "len(design.kind) == 7",
+        "kind = design.kind",
         "type(design) is RefinedDesign",
+        'type(design).__name__ == "RefinedDesign"',
+        "design.__class__ in (RefinedDesign, int)",
+        "CLASSES = {RefinedDesign: f}",
         "match design:\n    case RefinedDesign(): ...",
         'match kind:\n    case "adaptive" | "literal": ...',
         '{"refined": f, "adaptive": g}[design.kind]()',
+        'KINDS = {"refined": f}\nKINDS[design.kind]',
+        "dict(refined=1)[design.kind]",
         '{"refined": f}.get(design.kind, g)',
+        "BY_KIND.get(design.kind, DEFAULT)",
+        "design.kind in BY_KIND",
         'getattr(controller.design, "filter", ())',
-        'hasattr(design, "bumps")',
+        'hasattr(tube, "bumps")',
         "try:\n    spline = require_refined(design)\nexcept TypeError: ...",
+        "with suppress(TypeError):\n    require_refined(design)",
+        "try:\n    for_any_design(A, f)(task, design)\nexcept TypeError: ...",
+        "@singledispatch\ndef f(design: RefinedDesign): ...",
     ],
 )
 def test_a_question_of_kind_is_seen(text: str) -> None:
-    assert list(questions(text))
+    assert questions(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "BY_KIND[design.kind](task, design)",
+        'BY_KIND = {"refined": for_any_design(RefinedDesign, f), "adaptive": g, "literal": g}',
+        'BY_KIND: Final[Mapping[DesignKind, int]] = {"refined": 1, "adaptive": 2, "literal": 3}',
+        'f"{design.kind} tube"',
+        '{"design": design.kind}',
+        "tube.kind != task.tube.design",
+        "def f(design: RefinedDesign) -> AdaptiveDesign | None: ...",
+        "RefinedDesign(t_c, 4, 10, rows)",
+        "spline = require_refined(design)",
+    ],
+)
+def test_what_is_no_question_of_kind_passes(text: str) -> None:
+    assert questions(text) == []
 
 
 # ---------------------------------------------------------------------------------------------------------- tables by kind
 
 
-def tables(texts: dict[str, str]) -> dict[str, set[object]]:
-    """The keys of every table that is annotated to have kinds as keys."""
-    return {
-        f"{name}: {ast.unparse(node.target)}": constants_in(*filter(None, node.value.keys))
-        for name, text in texts.items()
-        for node in ast.walk(ast.parse(text))
-        if isinstance(node, ast.AnnAssign)
-        and isinstance(node.value, ast.Dict)
-        and re.match(r"(Mapping|dict)\[DesignKind,", ast.unparse(node.annotation))
-    }
-
-
-def without_an_entry(texts: dict[str, str], kinds: set[str]) -> list[str]:
-    return [f"{table} has no {kind}" for table, keys in sorted(tables(texts).items()) for kind in sorted(kinds - keys)]
+def lacking(texts: dict[str, str]) -> Iterator[str]:
+    """Yield tables that are missing, and kinds that a table has no entry for."""
+    for table in sorted(TABLES):
+        path, name = table.split(": ")
+        kinds = dict(Source(texts[path], {name}, {name}).tables_by_kind()).get(name)
+        yield from [f"{table} is missing"] if kinds is None else [f"{table} has no {k}" for k in sorted(KINDS - kinds)]
 
 
 def test_every_kind_has_an_entry_in_each_table() -> None:
-    assert tables(sources()).keys() == TABLES
-    assert without_an_entry(sources(), KINDS) == []
+    texts = {path: (ROOT / path).read_text() for path, _ in (table.split(": ") for table in TABLES)}
+    assert list(lacking(texts)) == []
     assert CAPABILITIES.keys() == KINDS
-
-
-def test_a_fourth_kind_is_told_what_it_lacks() -> None:
-    assert without_an_entry(sources(), KINDS | {"periodic"}) == [f"{table} has no periodic" for table in sorted(TABLES)]
+    name = "stt_codegen/emit/document.py"
+    shorter = texts | {name: texts[name].replace('    "literal": for_any_design(AdaptiveDesign, _decimals),\n', "")}
+    assert list(lacking(shorter)) == [f"{name}: BODIES has no literal"]
 
 
 # --------------------------------------------------------------------------------------------------------- the protocol
@@ -180,13 +251,15 @@ def test_a_design_of_every_kind_answers(kind: DesignKind) -> None:
 
 
 @pytest.mark.parametrize("kind", sorted(KINDS))
-def test_a_design_of_another_kind_is_refused(kind: DesignKind) -> None:
+def test_a_design_of_another_class_is_refused(kind: DesignKind) -> None:
+    """Each function `require_<kind>` accepts designs of the class that it returns, and no others."""
     design = design_tube(load_task(ROOT / "tasks" / "omni_s2.toml").with_options(kind))
-    is_spline = kind == "refined"
-    accepted, refused = (require_refined, require_adaptive) if is_spline else (require_adaptive, require_refined)
-    assert accepted(design) is design
-    with pytest.raises(TypeError, match=f"this one is {kind}"):
-        refused(design)
+    for name, design_class in REQUIRE.items():
+        if isinstance(design, design_class):
+            assert getattr(designs, name)(design) is design
+        else:
+            with pytest.raises(TypeError, match=f"this one is {kind}"):
+                getattr(designs, name)(design)
 
 
 def test_a_capability_is_asked_for_by_somebody_and_offered_by_some_kind() -> None:
@@ -195,14 +268,3 @@ def test_a_capability_is_asked_for_by_somebody_and_offered_by_some_kind() -> Non
     assert [name for name in Capabilities.__dataclass_fields__ if len({row[name] for row in rows}) == 1] == []
     read = "\n".join(text for name, text in sources().items() if name != "design_kinds.py")
     assert [name for name in Capabilities.__dataclass_fields__ if not re.search(rf"\.{name}\b", read)] == []
-
-
-def test_the_kinds_are_listed_once() -> None:
-    """Whoever offers a choice of kinds takes it from the one list."""
-    listed = [
-        name
-        for name, text in sources().items()
-        for node in ast.walk(ast.parse(text))
-        if isinstance(node, ast.Subscript) and ast.unparse(node.value) == "Literal" and constants_in(node.slice) & KINDS
-    ]
-    assert listed == ["design_kinds.py"]

@@ -5,8 +5,6 @@ from __future__ import annotations
 import ast
 import functools
 import re
-import subprocess
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,7 +14,8 @@ import pytest
 from stt_codegen.theorem.asking import library
 from tests.support.controllers import ROOT
 from tests.support.mypy_reads import record_of
-from tests.support.unused import House, Module, Reads
+from tests.support.mypy_records import reads_of, run_mypy
+from tests.support.unused import House, Module
 from tests.support.unused_coq import WORD, unreferenced, unused_in
 
 CACHE = ROOT / ".mypy_cache"
@@ -38,27 +37,9 @@ REPEATED = """
 """
 
 
-def reads_of(folder: Path, path: Path) -> Reads | None:
-    """What mypy sees read in a source; None where it does not check it."""
-    record = record_of(folder / ".mypy_cache", str(path.relative_to(folder)))
-    if not record.exists():
-        return None
-    reads: Reads = {}
-    for line in record.read_text().splitlines():
-        row, column, name = line.split(" ", 2)
-        reads.setdefault((int(row), int(column)), set()).add(name)
-    return reads
-
-
 def module_of(folder: Path, path: Path) -> Module:
     parts = path.relative_to(folder).with_suffix("").parts
     return Module(".".join(parts[:-1] if parts[-1] == "__init__" else parts), path.read_text(), reads_of(folder, path))
-
-
-def run_mypy(folder: Path) -> None:
-    """Bring the records up to date: at once after the run of mypy in `make test`."""
-    done = subprocess.run([sys.executable, "-m", "mypy"], cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def names_in_templates(folder: Path) -> Iterator[str]:

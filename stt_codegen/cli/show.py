@@ -224,8 +224,9 @@ def show_run(report: RunReport) -> None:
     console = _console()
     task, run = report.controller.task, report.run
     verdict = "[green]fulfilled[/green]" if report.fulfilled else "[red]MISSED[/red]"
-    kind, conditions = report.controller.design.kind, ", ".join(_conditions(report))
-    console.print(f"[bold]{task.name}[/bold] ({kind}) drives {escape(report.plant)}: {verdict}; {conditions}")
+    conditions = ", ".join(_conditions(report))
+    kind = f"({report.controller.design.kind})"
+    console.print(f"[bold]{task.name}[/bold] {kind} drives {escape(report.plant)}: {verdict}; {conditions}")
     hit = "none" if run.hit is None else f"[red]{run.hit} at {run.hit_at:.4g} s[/red]"
     left = "never" if run.left_at is None else f"[red]at {run.left_at:.4g} s[/red]"
     reached = "in the target" if run.reached else f"[red]not in the target, at {_numbers(run.last)}[/red]"
