@@ -36,6 +36,7 @@ from stt_codegen import constraints as rows
 from stt_codegen.certify import slack
 from stt_codegen.certify.adaptive import alpha_curves
 from stt_codegen.controller import edge_errors as arithmetic
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.lemmas.emitted import examples, functions, printed_kernels
 from stt_codegen.lemmas.lemma import Lemma, Verdict
 from stt_codegen.lemmas.paper import transform, update_cells
@@ -524,10 +525,12 @@ def _arithmetic() -> list[float]:
 
 
 READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = (
-    (sampling_conditions, "input_bound emitted_input sharp_closing_speed sharp_under input_per_gain q q_rate _measured_distances "
+    (sampling_conditions, "input_bound emitted_input sharp_closing_speed sharp_under drift_of_sample "
+     "distances_at_sample weakest_effect input_per_gain q q_rate measured_distances "
      "_measured_eps_bound _diagonal_staleness diagonal _general_staleness general", _statements, (sampled_evaluated,)),
     (sampling_conditions.Staleness, "input_bound input_change", _statements, (sampled_evaluated,)),
     (windows, "extremes refined_windows", _windows, (sampled_windows,)),
+    (RefinedDesign, "largest_steps", _windows, (sampled_windows,)),
     (windows.Windows, "shortest", _windows, (first_exit,)),
     (sampled_loop, "law_of first_order_loop worst_with_previous_window", _setting, (first_exit, sampled_windows)),
     (sampled_loop.SampledLoop, "longest_age", _setting, (first_exit,)),

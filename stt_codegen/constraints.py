@@ -20,7 +20,6 @@ from fractions import Fraction
 from functools import cache
 
 from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
-from stt_codegen.program import round_down
 from stt_codegen.task import Task
 from stt_codegen.task.mission import InRegion, StateFormula, complement_boxes, regions_of
 from stt_codegen.task.sets import BoxSet, ConvexSet, Course, HalfSpace, Normal, Unsafe, UnsafeSet, Vector
@@ -147,7 +146,7 @@ def _box_span(task: Task, formula: InRegion) -> tuple[Vector, Vector]:
     region = task.regions[formula.region]
     assert isinstance(region, UnsafeSet)
     edges = dict(zip(task.axis_indices(region), zip(region.lower, region.upper, strict=True), strict=True))
-    unbounded = max(map(abs, (*task.state_space.lower, *task.state_space.upper))) * 4 + 1
+    unbounded = task.largest_coordinate * 4 + 1
     growth = [h + task.tube.clearance if formula.is_negated else Fraction(0) for h in task.half_extents]
     ends = [edges.get(i, (-unbounded, unbounded)) for i in range(task.dimension)]
     lower = tuple(a - g for (a, _), g in zip(ends, growth, strict=True))
@@ -182,13 +181,13 @@ def control_authority(task: Task) -> tuple[Fraction, ...]:
     plant's order; negative where the input cannot. Where u is scaled as a whole it is what every edge may move at, so that the
     norm of the plant bounds and the edges' rates is below g_min u_max.
     """
-    assert task.u_max is not None
-    limit = [round_down(v, task.emit.scalar) for v in task.u_max]
+    limits = task.emitted_u_max
+    assert limits is not None
     if task.scales_input:
         share = inverse_square_root(task.dimension)
-        return tuple((b.g_min * v - b.force) * share for b, v in zip(task.plant_bounds, limit, strict=True))
-    total = sum(limit, Fraction(0))
-    return tuple(b.g_min * v - b.force - b.cross * (total - v) for b, v in zip(task.plant_bounds, limit, strict=True))
+        return tuple((b.g_min * v - b.force) * share for b, v in zip(task.plant_bounds, limits, strict=True))
+    parts = zip(task.plant_bounds, limits, task.coupling_of(limits), strict=True)
+    return tuple(b.g_min * v - b.force - coupling for b, v, coupling in parts)
 
 
 def limit_constraints(task: Task) -> tuple[Constraint, ...]:

@@ -90,7 +90,7 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
     The tube is cubic on K segments and constant after t_c, so P1 to P6 are finitely many comparisons. edge_error: by dimension.
     """
     tube = _CertifiedTube(task, design, units_of_error(design, edge_error) * design.unit, design.bezier())
-    width, speed = tube.width(), _edge_speed(design, tube.bezier)
+    width, speed = tube.width(), design.edge_speed_bounds()
     start = tuple((int(a) * design.unit, int(b) * design.unit) for a, b in tube.bezier[0, :, :, 0])
     return Certificate(
         findings=(
@@ -223,12 +223,6 @@ def _derivative(design: RefinedDesign, bezier: npt.NDArray[np.int64], order: int
     for degree in range(3, 3 - order, -1):
         bezier = degree * np.diff(bezier, axis=3)
     return bezier, design.unit * (Fraction(design.segments) / design.prescribed_time) ** order
-
-
-def _edge_speed(design: RefinedDesign, bezier: npt.NDArray[np.int64]) -> tuple[Fraction, ...]:
-    """Return a bound on |gammadot| by dimension."""
-    rate, unit = _derivative(design, bezier, 1)
-    return tuple(int(v) * unit for v in np.abs(rate).max(axis=(0, 2, 3)))
 
 
 def _smooth_finding(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], speed: tuple[Fraction, ...]) -> Finding:

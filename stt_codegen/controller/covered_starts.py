@@ -87,7 +87,7 @@ def measurement_error(task: Task) -> Fraction:
 
 def starts_of(task: Task, design: RefinedDesign) -> Starts:
     """The bounds, exact, in the task's units (of v + lambda x: a second)."""
-    share, noise, size = start_share(task), measurement_error(task), _size(task)
+    share, noise, size = start_share(task), measurement_error(task), task.largest_coordinate
     edges = design.bezier()[0, :, :, 0]
     ends = [(int(a) * design.unit, int(b) * design.unit) for a, b in edges]
     rounding = _rounding(task, design)
@@ -118,16 +118,11 @@ def _inner(low: Fraction, high: Fraction, share: Fraction, wrong: Fraction) -> t
     return middle - half, middle + half
 
 
-def _size(task: Task) -> Fraction:
-    """The largest coordinate of a state."""
-    return max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
-
-
 def _rounding(task: Task, design: RefinedDesign) -> Fraction:
     """What a coordinate is rounded by, over the largest one: twice half a unit in the last place, as what is rounded may be
     larger than what it is rounded to; half a unit of integers."""
     if task.emit.scalar == "fixed":
-        return design.unit / 2 / _size(task)
+        return design.unit / 2 / task.largest_coordinate
     return 2 * FORMATS[task.emit.scalar].roundoff
 
 

@@ -59,7 +59,7 @@ def edge_error_of_design(task: Task, design: RefinedDesign) -> tuple[Fraction, .
 
 @lru_cache(maxsize=4)  # asked for when a tube is designed, when a program is made, and again for its certificate
 def _edge_error(design: RefinedDesign, basis: Kernel, blend: Kernel, scalar: str) -> tuple[Fraction, ...]:
-    slope = np.abs(np.diff(design.bezier(), axis=3)).max(axis=(0, 2, 3))
+    slope = design.largest_steps().max(axis=0)
     late = time_error(design, scalar)
     evaluation = _blend_error(design, basis, blend, scalar)
     return tuple(_short(e + late * 3 * int(v) * design.unit) for e, v in zip(evaluation, slope, strict=True))
@@ -71,7 +71,7 @@ def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
         return integer_errors.rate_error(design, program.tick)
     form = FORMATS[program.scalar]
     bend = np.abs(np.diff(design.bezier(), n=2, axis=3)).max(axis=(0, 2, 3))
-    slope = np.abs(np.diff(design.bezier(), axis=3)).max(axis=(0, 2, 3))
+    slope = design.largest_steps().max(axis=0)
     per_second = design.segments / design.prescribed_time
     late = time_error(design, program.scalar)
     result = []

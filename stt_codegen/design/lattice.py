@@ -79,7 +79,7 @@ class Lattice:
 
 def shared_lattice(task: Task) -> Lattice:
     """Return the lattice that floats and doubles share, counted from the task's own origin."""
-    largest_exponent = exponent_above(max(abs(v) for v in (*task.state_space.lower, *task.state_space.upper)))
+    largest_exponent = exponent_above(task.largest_coordinate)
     return Lattice(largest_exponent, largest_exponent, (Fraction(0),) * task.dimension)
 
 

@@ -130,6 +130,22 @@ class RefinedDesign:
         after = np.repeat(segments[-1:, ..., 3:], 4, axis=-1) if self.seam is None else segments[self.seam : self.seam + 1]
         return np.concatenate([segments, after])
 
+    def largest_steps(self) -> npt.NDArray[np.int64]:
+        """Return the largest |difference| of neighbouring coefficients of `windows`, (K + 1, n), in units of 2**-bits.
+
+        Times `speed_per_step` it bounds the speed of both edges in that window (the lemma `sampled.windows`).
+        """
+        return np.asarray(np.abs(np.diff(self.windows(), axis=-1)).max(axis=(2, 3)))
+
+    @property
+    def speed_per_step(self) -> Fraction:
+        """The speed of an edge whose coefficients differ by one unit of 2**-bits, in units per second."""
+        return 3 * self.unit * self.segments / self.prescribed_time
+
+    def edge_speed_bounds(self) -> tuple[Fraction, ...]:
+        """Return by dimension a bound on the speed of both edges at all times, in units per second."""
+        return tuple(int(v) * self.speed_per_step for v in self.largest_steps().max(axis=0))
+
     def kink(self, order: int = 1) -> npt.NDArray[np.int64]:
         """Return by dimension by how many steps the control points differ that must agree for a smooth tube at t_c.
 

@@ -17,7 +17,7 @@ from stt_codegen.certify.missions import SLICES
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design
-from stt_codegen.program import Program, round_down
+from stt_codegen.program import Program
 from stt_codegen.task import Task
 
 CERTIFICATE_FORMAT = 2
@@ -60,7 +60,6 @@ def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[
     """What is claimed of a refined tube."""
     claims, bezier = claims_of(task, design, certificate), design.bezier()
     cuts = cuts_of(claims)
-    rates = 3 * abs(bezier[..., 1:] - bezier[..., :-1]).max(axis=(0, 2, 3))
     return {
         "grid": {
             "segments": design.segments,
@@ -70,7 +69,7 @@ def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[
         },
         "edge_error": [math.ceil(v / design.unit) for v in certificate.edge_error],
         **({} if task.order == 1 else _filter(design, certificate)),
-        "speed": [int(v) for v in rates],
+        "speed": [3 * int(v) for v in design.largest_steps().max(axis=0)],
         "start": [[int(a), int(b)] for a, b in bezier[0, :, :, 0]],
         "covers_initial_set": certificate.covers_initial_set,
         "control": _control(task),
@@ -107,7 +106,7 @@ def _claim(claim: SlackClaim, cuts: int) -> dict[str, Any]:
 
 def _control(task: Task) -> dict[str, Any]:
     """The law's constants by component, as the task has them; u_max as it is emitted."""
-    limit = None if task.u_max is None else [str(round_down(v, task.emit.scalar)) for v in task.u_max]
+    limit = None if task.emitted_u_max is None else [str(v) for v in task.emitted_u_max]
     return {"gain": [str(v) for v in task.gain], "e_max": [str(v) for v in task.e_max], "u_max": limit}
 
 

@@ -26,11 +26,20 @@ from stt_codegen.sampling.sampled_loop import (
     SampledLoop,
     first_order_loop,
     in_balls,
+    in_doubles,
     law_of,
     start_bound_of_share,
     worst_with_previous_window,
 )
-from stt_codegen.sampling.sampling_conditions import SAMPLING_CONDITIONS, emitted_input
+from stt_codegen.sampling.sampling_conditions import (
+    SAMPLING_CONDITIONS,
+    distances_at_sample,
+    drift_of_sample,
+    emitted_input,
+    measured_distances,
+    sharp_closing_speed,
+    weakest_effect,
+)
 from stt_codegen.sampling.windows import Windows, extremes, refined_windows
 
 __all__ = [
@@ -51,6 +60,8 @@ __all__ = [
     "choose_proved_gain",
     "condition_kinds_of",
     "continuous_input_bound",
+    "distances_at_sample",
+    "drift_of_sample",
     "emitted_input",
     "epsilon_star",
     "epsilon_star_norm",
@@ -61,6 +72,7 @@ __all__ = [
     "holds_saturated",
     "holds_scaled",
     "in_balls",
+    "in_doubles",
     "inertial_motion",
     "inertial_start_bound",
     "inputs_where_proved",
@@ -68,14 +80,17 @@ __all__ = [
     "longest_proved_period",
     "longest_proved_period_from",
     "loop_of",
+    "measured_distances",
     "minimum_eigenvalue",
     "natural_gain",
     "prove_for_period",
     "refined_windows",
     "rounded_gain",
     "sampling_conditions",
+    "sharp_closing_speed",
     "start_bound_of_share",
     "start_bound_of_task",
     "velocity_bounds",
+    "weakest_effect",
     "worst_with_previous_window",
 ]

@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign, demanded_accelerations, filtered_edges, slopes_at_start
-from stt_codegen.program import FORMATS, round_down
+from stt_codegen.program import FORMATS
 from stt_codegen.sampling.numbers import DOUBLES, Numbers
 from stt_codegen.sampling.plant import Bounds
 from stt_codegen.sampling.sampled_loop import SampledLaw, SampledLoop, law_of, worst_with_previous_window
@@ -63,7 +63,6 @@ def filtered_extremes(design: RefinedDesign, numbers: Numbers = DOUBLES) -> Filt
     w = bezier[:, :, UPPER] - bezier[:, :, LOWER]
     second_difference = 6 * np.diff(bezier, n=2, axis=3)
     bend_unit = design.unit * (Fraction(design.segments) / design.prescribed_time) ** 2
-    rate_unit = design.unit * Fraction(design.segments) / design.prescribed_time
     up = numbers.multiples_above
 
     def with_last_window(values: Array, last: Array) -> Array:
@@ -81,7 +80,7 @@ def filtered_extremes(design: RefinedDesign, numbers: Numbers = DOUBLES) -> Filt
         bends=np.stack([with_last_window(v, zero) for v in bends]),
         middle=with_last_window(up(np.abs(low + high).max(axis=-1), bend_unit) / 2, zero),
         press=np.stack([with_last_window(up(v.max(axis=-1), press.unit), up(v[-1, :, 3], press.unit)) for v in (lower, upper)]),
-        rate=with_last_window(up(3 * np.abs(np.diff(bezier, axis=3)).max(axis=(2, 3)), rate_unit), zero),
+        rate=up(design.largest_steps(), design.speed_per_step),
     )
 
 
@@ -139,14 +138,12 @@ def difference_error(
     F + G u_max + .. a second: this gives A tau/2 (the lemma `filtered.differences`). To this the function adds twice the error of
     x over the shortest tau, and bends roundings of the quotient, whose size is at most the edge speed + lambda W.
     """
-    assert task.u_max is not None
+    limits = task.emitted_u_max
+    assert limits is not None
     roundoff, errors = Fraction(FORMATS[task.emit.scalar].roundoff), []
-    size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
-    limit = [round_down(v, task.emit.scalar) for v in task.u_max]
-    for i, bounds in enumerate(task.plant_bounds):
-        acceleration = bounds.force + bounds.g_max * limit[i] + bounds.cross * (sum(limit, Fraction(0)) - limit[i])
+    for i, acceleration in enumerate(task.largest_derivative(limits)):
         lag = acceleration * age_factor * task.sampling_period / 2
-        error = lag + 2 * (noise + roundoff * (size + noise)) / task.shortest_period
+        error = lag + 2 * (noise + roundoff * (task.largest_coordinate + noise)) / task.shortest_period
         speed, width = (values[i] for values in extremes)
         errors.append(error + 4 * roundoff * (speed + filter_rates[i] * width + error))
     return tuple(errors)
@@ -180,7 +177,7 @@ def inertial_law(
     roundoff = numbers.of(FORMATS[task.emit.scalar].roundoff)
     filter_rate = np.array([numbers.of(v) for v in filter_rates])
     arithmetic = np.array([numbers.of(2 * (r + v * e)) for e, r, v in zip(edge, rate, filter_rates, strict=True)])
-    size = numbers.of(max(abs(v) for side in (task.state_space.lower, task.state_space.upper) for v in side))
+    size = numbers.of(task.largest_coordinate)
     fastest, width, wide = (v.max(axis=0) for v in (extremes.rate, extremes.width, extremes.wide))
     of_v: Any = noise[1]
     if task.uses_differences:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from typing import Any
 
@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb
 
-from stt_codegen.program import FORMATS, round_down
+from stt_codegen.program import FORMATS
 from stt_codegen.sampling.numbers import DOUBLES, Numbers
 from stt_codegen.sampling.plant import Bounds
 from stt_codegen.sampling.windows import Windows
@@ -148,14 +148,13 @@ def law_of(
 
     edge_error: P7's bound, (n,). noise: a bound on the error of a measured x, in the task's units. latency: seconds.
     """
-    n, scalar = task.dimension, task.emit.scalar
-    size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
-    rounded = numbers.outward(numbers.of(FORMATS[scalar].roundoff * size), 1e-12)
+    n, scalar, limits = task.dimension, task.emit.scalar, task.emitted_u_max
+    rounded = numbers.outward(numbers.of(FORMATS[scalar].roundoff * task.largest_coordinate), 1e-12)
     return SampledLaw(
         gain=np.array([numbers.of(abs(v)) for v in task.gain]),
         e_max=np.array([numbers.of(v) for v in task.e_max]),
         shift=np.array([numbers.outward(numbers.of(2 * e), 1e-12) + rounded + noise for e in edge_error]),
-        u_max=np.full(n, np.inf) if task.u_max is None else np.array([numbers.of(round_down(v, scalar)) for v in task.u_max]),
+        u_max=np.full(n, np.inf) if limits is None else np.array([numbers.of(v) for v in limits]),
         rounding=numbers.of(ROUNDING[scalar, task.emit.math]),
         latency=latency,
         numbers=numbers,
@@ -201,6 +200,19 @@ def first_order_loop(windows: Windows, plant: Sequence[Bounds], law: SampledLaw,
 def worst_with_previous_window(values: Array, worse: Callable[[Array, Array], Array]) -> Array:
     """Return by window the worse of its value and that of the window before; worse: np.minimum or np.maximum."""
     return worse(values, np.concatenate([values[:1], values[:-1]]))
+
+
+def in_doubles(loop: SampledLoop) -> SampledLoop:
+    """Return a loop in fractions with the nearest doubles in their place; bounds on |eps| stay what they are for fractions."""
+
+    def nearest(value: Any) -> Any:
+        return float(value) if isinstance(value, Fraction) else value.astype(float) if isinstance(value, np.ndarray) else value
+
+    def converted(part: Any) -> dict[str, Any]:
+        return {field.name: nearest(getattr(part, field.name)) for field in fields(part)}
+
+    parts = {"windows": replace(loop.windows, **converted(loop.windows)), "law": replace(loop.law, **converted(loop.law))}
+    return replace(loop, **converted(loop) | parts)
 
 
 def in_balls(loop: SampledLoop) -> SampledLoop:

@@ -75,7 +75,7 @@ def emitted_input(gain: Any, far: Any, near: Any, logarithm: Callable[[Any], Any
     return gain * input_per_gain(far, near, logarithm, rounding) * (1 + rounding)
 
 
-def _measured_distances(loop: SampledLoop, eps_bound: Any) -> tuple[Any, Any]:
+def measured_distances(loop: SampledLoop, eps_bound: Any) -> tuple[Any, Any]:
     """Return the largest and the smallest distance to an edge that the law may measure, at the width where its |u| is largest."""
     width = loop.narrow + 0 * eps_bound
     far = width / loop.numbers.far_divisor(eps_bound) + loop.law.shift
@@ -88,7 +88,7 @@ def input_bound(loop: SampledLoop, eps_bound: Any) -> Any:
     Where noise may carry the measured error beyond e_max, the clamp gives the bound. U is at most u_max. It is infinite, or
     1e300, where nothing bounds it because the law may measure any width.
     """
-    far, near = _measured_distances(loop, eps_bound)
+    far, near = measured_distances(loop, eps_bound)
     share, width = (1 - loop.law.e_max) / 2, loop.narrow - 2 * loop.law.shift
     is_free = near > (far + near) * share  # for certain, where these are balls
     is_bounded = is_free | (width > 0)
@@ -102,6 +102,22 @@ def input_bound(loop: SampledLoop, eps_bound: Any) -> Any:
 def sharp_closing_speed(loop: SampledLoop, u: Any) -> Any:
     """Return P' of the sharp conditions: P and the effect of the other inputs, the sum over j != i of |g_ij| U_j."""
     return loop.closing_speed + (loop.cross * u[..., None, :]).sum(axis=-1)
+
+
+def drift_of_sample(loop: SampledLoop, aging: Any, tau: Any, u: Any) -> Any:
+    """Return c of the sharp conditions, by which the distances that the law measured may be off when its input acts."""
+    return aging * tau + loop.diagonal_max * u * loop.law.latency + loop.law.shift
+
+
+def distances_at_sample(loop: SampledLoop, width: Any, eps_bound: Any, drift: Any) -> tuple[Any, Any]:
+    """Return a and b of the sharp conditions: distances to the edges whose input acts at |eps| = E, for a tube of this width."""
+    return width / loop.numbers.far_divisor(eps_bound) - drift, width / loop.numbers.near_divisor(eps_bound) + drift
+
+
+def weakest_effect(loop: SampledLoop, far: Any, near: Any) -> Any:
+    """Return k g_min h(a, b) less what rounding takes: the speed at which the emitted law's input moves x back at least."""
+    r = loop.law.rounding
+    return loop.law.gain * (1 - r) * loop.diagonal_min * input_per_gain(far, near, loop.numbers.log_below, -r)
 
 
 def sharp(loop: SampledLoop, eps_bound: Any, tau: Any) -> list[Condition]:
@@ -121,12 +137,11 @@ def sharp_under(loop: SampledLoop, eps_bound: Any, tau: Any, u: Any, closing_spe
     half_width = loop.windows.narrow / 2 * (loop.numbers.share_of_eps(eps_bound) - r)
     yield Condition("sampled.same_side", half_width - (from_middle + loop.diagonal_max * u) * tau - loop.law.shift)
     yield Condition("sampled.saturated", np.minimum(loop.law.u_max, 1e300) * loop.diagonal_min - closing_speed)
-    drift = aging * tau + loop.diagonal_max * u * loop.law.latency + loop.law.shift
+    drift = drift_of_sample(loop, aging, tau, u)
     for d in (loop.windows.narrow, loop.windows.wide):
-        far, near = d / loop.numbers.far_divisor(eps_bound) - drift, d / loop.numbers.near_divisor(eps_bound) + drift
+        far, near = distances_at_sample(loop, d, eps_bound, drift)
         yield Condition("sampled.ends", far - near)
-        weakest = input_per_gain(far, near, loop.numbers.log_below, -r)
-        yield Condition("sampled.sharp", loop.law.gain * (1 - r) * loop.diagonal_min * weakest - closing_speed)
+        yield Condition("sampled.sharp", weakest_effect(loop, far, near) - closing_speed)
 
 
 def _measured_eps_bound(eps_bound: Any, width: Any, shift: Any) -> tuple[Any, Any]:

@@ -67,7 +67,7 @@ def extremes(design: RefinedDesign) -> BezierExtremes:
     return BezierExtremes(
         narrow=width.min(axis=-1),
         wide=width.max(axis=-1),
-        step=np.abs(np.diff(bezier, axis=-1)).max(axis=(2, 3)),
+        step=design.largest_steps(),
         width_step=np.abs(np.diff(width, axis=-1)).max(axis=-1),
         low=bezier[:, :, LOWER].min(axis=-1),
         high=bezier[:, :, UPPER].max(axis=-1),

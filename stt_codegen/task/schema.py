@@ -9,6 +9,7 @@ Long because every key of a task file stands here once, with the quantities that
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Any, Literal, TypeVar
@@ -16,6 +17,7 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, create_model
 
 from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind, kinds_offering
+from stt_codegen.program import round_down
 from stt_codegen.program.targets import optional_targets
 from stt_codegen.properties import Property
 from stt_codegen.task.mission import (
@@ -309,6 +311,16 @@ class TaskTables(Table):
         return None if self.control.u_max is None else self._per_component(self.control.u_max)
 
     @property
+    def emitted_u_max(self) -> tuple[Fraction, ...] | None:
+        """The saturation of u as it is emitted, in numbers of the scalar that are not above `u_max`; None for none."""
+        return None if self.u_max is None else tuple(round_down(v, self.emit.scalar) for v in self.u_max)
+
+    @property
+    def largest_coordinate(self) -> Fraction:
+        """The largest |x_i| in the state space."""
+        return max(abs(v) for edge in (self.state_space.lower, self.state_space.upper) for v in edge)
+
+    @property
     def plant_bounds(self) -> tuple[ComponentBounds, ...]:
         """The plant bounds by component. A missing g_min or g_max is 1, or equal to the other where 1 would contradict that."""
         bounds, plant = [], self.plant
@@ -319,6 +331,16 @@ class TaskTables(Table):
             g_max = high if high is not None else max(Fraction(1), g_min)
             bounds.append(ComponentBounds(force[i] + disturbance[i], g_min, g_max, cross[i]))
         return tuple(bounds)
+
+    def coupling_of(self, inputs: Sequence[Fraction]) -> tuple[Fraction, ...]:
+        """Return by component the sum over j != i of |g_ij| |u_j|, for |u_j| <= inputs_j: what the other inputs move it by."""
+        total = sum(inputs, Fraction(0))
+        return tuple(b.cross * (total - v) for b, v in zip(self.plant_bounds, inputs, strict=True))
+
+    def largest_derivative(self, inputs: Sequence[Fraction]) -> tuple[Fraction, ...]:
+        """Return by component a bound on |f_i + w_i + sum_j g_ij u_j|, the derivative that u acts on, for |u_j| <= inputs_j."""
+        parts = zip(self.plant_bounds, inputs, self.coupling_of(inputs), strict=True)
+        return tuple(b.force + b.g_max * u + coupling for b, u, coupling in parts)
 
     @property
     def disturbance_bound(self) -> Fraction:

@@ -1,121 +1,162 @@
-"""What helps Coq with P9, and is not believed: by window and component a bound on |u|, and one on the logarithm in it; and into
-how many cells the range of a width must be cut.
+"""Hints for Coq's proof of P9, which it need not believe: bounds on |u| and on the logarithm in it, and a number of cells.
 
-A window is a segment, or the time from t_c on. The bounds are those of docs/certificate-format.md, a little larger.
+theorem/tube_theorem.py and theorem/controller_theorem.py write them. The formulas are those of sampling/sampling_conditions.py.
+proof/Period.v differs from them in two places. It cuts the range of a width into cells, in place of a lemma on what lies between
+both ends. And it lets rounding take its share of the broadest width of two windows, not of the narrowest.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
-from stt_codegen.sampling import emitted_input
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.sampling import (
+    Bounds,
+    Fractions,
+    SampledLaw,
+    SampledLoop,
+    distances_at_sample,
+    drift_of_sample,
+    emitted_input,
+    first_order_loop,
+    in_doubles,
+    measured_distances,
+    refined_windows,
+    sharp_closing_speed,
+    start_bound_of_share,
+    weakest_effect,
+    worst_with_previous_window,
+)
 from stt_codegen.theorem.reading import Facts, Sampling
 
-BITS, ROOM = 24, 1 + Fraction(1, 1 << 20)
-CELLS, ROUGH = (1, 2, 4, 8, 16, 32, 64, 128), 2.0**-16
-LOG = Fraction(1, 1 << 16)  # by so much exp is known too little, see proof/HeldLaw.v
-Hint = tuple[Fraction, Fraction]
+BITS, INPUT_MARGIN = 24, 1 + Fraction(1, 1 << 20)
+CELL_COUNTS = (1, 2, 4, 8, 16, 32, 64, 128)
+LOGARITHM_MARGIN = Fraction(1, 1 << 16)  # proof/HeldLaw.v knows exponentials that closely
+MARGIN = 2.0**-16  # of the conditions that are decided here in floating point, and by Coq exactly
+Array = npt.NDArray[Any]
+Hint = tuple[Fraction, Fraction]  # bounds on |u| and on the logarithm
 
 
-def bezier(facts: Facts, k: int, i: int, side: int) -> tuple[int, int, int, int]:
-    """Coefficients of an edge in segment k, in units of the table."""
-    a, b, c, d = (facts.table[k + j][i][side] for j in range(4))
-    return a + 4 * b + c, 4 * b + 2 * c, 2 * b + 4 * c, b + 4 * c + d
+def _enclosed_logarithm(value: Any) -> tuple[float, Fraction]:
+    """Return a lower and an upper bound on a logarithm that Coq can prove, the upper one of few bits."""
+    logarithm = math.log(value)
+    return logarithm - MARGIN, _round_up(Fraction(logarithm) + LOGARITHM_MARGIN)
 
 
-def steps(facts: Facts) -> list[int]:
-    """The largest difference of neighbouring Bezier coefficients, by dimension."""
-    edges = [[bezier(facts, k, i, side) for k in range(facts.segments) for side in (0, 1)] for i in range(facts.n)]
-    return [max(abs(b - a) for edge in own for a, b in itertools.pairwise(edge)) for own in edges]
-
-
-def widths(facts: Facts, i: int) -> list[tuple[Fraction, Fraction]]:
-    """The least and the largest width in every window."""
-    spans = [[b - a for a, b in zip(bezier(facts, k, i, 0), bezier(facts, k, i, 1), strict=True)] for k in range(facts.segments)]
-    spans.append([spans[-1][3]])
-    return [(facts.unit * min(span), facts.unit * max(span)) for span in spans]
-
-
-def speeds(facts: Facts, i: int) -> list[Fraction]:
-    """How fast an edge is in every window and the one before."""
-    edges = [[bezier(facts, k, i, side) for side in (0, 1)] for k in range(facts.segments)]
-    own = [max(abs(b - a) for edge in pair for a, b in itertools.pairwise(edge)) for pair in edges] + [0]
-    return [3 * facts.unit * max(v, own[max(k - 1, 0)]) * facts.segments / facts.t_c for k, v in enumerate(own)]
-
-
-def hints(facts: Facts, sampling: Sampling) -> list[list[Hint]]:
-    """By window, by component."""
-    columns = []
-    for i in range(facts.n):
-        own = widths(facts, i)
-        columns.append([_hint(facts, sampling, i, min(d, own[max(k - 1, 0)][0])) for k, (d, _) in enumerate(own)])
-    return [list(row) for row in zip(*columns, strict=True)]
-
-
-def _hint(facts: Facts, sampling: Sampling, i: int, width: Fraction) -> Hint:
-    limit = None if facts.u_max is None else facts.u_max[i]
-    z, shift, lost = 1 / (1 + sampling.rho[i]), sampling.shift[i], sampling.lost
-    near = width * z - shift
-    if near <= 0:
-        return limit or Fraction(0), Fraction(0)
-    far = width * (1 - z) + shift
-    log = _up(Fraction(math.log(far / near)) + LOG)
-    most = _up(emitted_input(facts.gain[i], far, near, lambda _: log, lost) * ROOM)
-    return (limit, Fraction(0)) if limit is not None and limit <= most else (most, log)
-
-
-def _up(value: Fraction) -> Fraction:
+def _round_up(value: Fraction) -> Fraction:
     return Fraction(math.ceil(value * (1 << BITS)), 1 << BITS)
 
 
+NUMBERS = Fractions(_enclosed_logarithm)
+
+
+def loop_of_facts(facts: Facts, sampling: Sampling) -> SampledLoop:
+    """Return the sampled loop of the files, in fractions; bounds on |eps| are rho = e^E."""
+
+    def array(values: tuple[Fraction, ...]) -> Array:
+        return np.array(values, dtype=object)
+
+    windows, n = refined_windows(facts.design, NUMBERS), facts.n
+    plant = Bounds(
+        disturbance=array(sampling.force),
+        diagonal_min=array(sampling.g_min),
+        diagonal_max=array(sampling.g_max),
+        cross=array(sampling.g_cross)[:, None] * (1 - np.eye(n, dtype=int)),
+        disturbance_norm=Fraction(0),  # no theorem is about the conditions in norms
+        eigenvalue_min=Fraction(0),
+        norm=Fraction(0),
+    )
+    law = SampledLaw(
+        gain=array(facts.gain),
+        e_max=array(facts.e_max),
+        shift=array(sampling.shift),
+        u_max=np.full(n, np.inf) if facts.u_max is None else array(facts.u_max),
+        rounding=sampling.lost,
+        latency=sampling.latency,
+        numbers=NUMBERS,
+    )
+    return first_order_loop(windows, [plant] * len(windows.narrow), law, start_bound_of_share(sampling.share, n, NUMBERS))
+
+
+def hints(facts: Facts, sampling: Sampling) -> list[list[Hint]]:
+    """Return the hints by window and component; a window is a segment, or the time from t_c on."""
+    loop = loop_of_facts(facts, sampling)
+    far, near = measured_distances(loop, np.array(sampling.rho, dtype=object))
+    return [[_hint(loop, i, far[k, i], near[k, i]) for i in range(facts.n)] for k in range(len(far))]
+
+
+def _hint(loop: SampledLoop, i: int, far: Fraction, near: Fraction) -> Hint:
+    """Return the hint of a component in a window in which the law measures at least `near` and at most `far`."""
+    limit = loop.law.u_max[i]
+    if near <= 0:
+        return Fraction(0) if math.isinf(limit) else limit, Fraction(0)
+    logarithm = loop.numbers.log_above(far / near)
+    u = _round_up(emitted_input(loop.law.gain[i], far, near, lambda _: logarithm, loop.law.rounding) * INPUT_MARGIN)
+    return (limit, Fraction(0)) if limit <= u else (u, logarithm)
+
+
+@dataclass(frozen=True)
+class CoqConditions:
+    """The conditions of `period_check` of proof/Period.v, in floating point and so with a margin.
+
+    loop: in doubles. rho, tau: as in the sharp conditions. inputs, closing_speed: U and P' by window and component.
+    """
+
+    loop: SampledLoop
+    rho: Array
+    tau: float
+    inputs: Array
+    closing_speed: Array
+
+    @classmethod
+    def of(cls, facts: Facts, sampling: Sampling, rows: list[list[Hint]]) -> CoqConditions:
+        """Return the conditions for the inputs that the hints state."""
+        loop = loop_of_facts(facts, sampling)
+        inputs = np.array([[u for u, _ in row] for row in rows], dtype=object)
+        closing_speed = sharp_closing_speed(loop, inputs).astype(float)
+        age = float(sampling.period + sampling.latency)
+        return cls(in_doubles(loop), np.array(sampling.rho, dtype=float), age, inputs.astype(float), closing_speed)
+
+    def turns_in_time(self) -> bool:
+        """Whether x stays on its side of the tube until the next input acts, and u_max outdoes the closing speed."""
+        loop, windows, law = self.loop, self.loop.windows, self.loop.law
+        moved = (self.closing_speed + loop.diagonal_max * self.inputs) * self.tau
+        broadest = worst_with_previous_window(windows.wide, np.maximum)  # Coq's own, see the head of this file
+        uncertain = 2 * law.shift + law.rounding * (broadest + 2 * law.shift) + MARGIN * windows.narrow
+        stays = uncertain < windows.narrow * loop.numbers.share_of_eps(self.rho) - 2 * moved
+        outdoes = self.closing_speed * (1 + MARGIN) <= loop.diagonal_min * law.u_max
+        return bool(np.all(stays & outdoes))
+
+    def pushes_back(self, cell_count: int) -> bool:
+        """Whether in every one of so many cells the input moves x back faster than an edge closes in."""
+        low, high = self.loop.windows.narrow, self.loop.windows.wide
+        drift = drift_of_sample(self.loop, self.closing_speed, self.tau, self.inputs)
+        for k in range(cell_count):
+            begin, end = (low + (high - low) * j / cell_count for j in (k, k + 1))
+            far, near = distances_at_sample(self.loop, begin, self.rho, drift)
+            _, near_at_end = distances_at_sample(self.loop, end, self.rho, drift)
+            if not np.all(far > near):
+                return False
+            # Coq knows only one 1/b for a whole cell: that of its end
+            if not np.all(weakest_effect(self.loop, far, near) * near / near_at_end > self.closing_speed):
+                return False
+        return True
+
+
 def cells(facts: Facts, sampling: Sampling, rows: list[list[Hint]]) -> int:
-    """Into so few the range of every window's width is cut that the law is seen to push back enough in all."""
-    return next((m for m in CELLS if all(_pushes_back(facts, sampling, rows, i, m) for i in range(facts.n))), CELLS[-1])
+    """Return the smallest number of cells in which Coq finds that the law pushes back enough, or the largest allowed."""
+    conditions = CoqConditions.of(facts, sampling, rows)
+    return next((m for m in CELL_COUNTS if conditions.pushes_back(m)), CELL_COUNTS[-1])
 
 
 def holds(facts: Facts, sampling: Sampling) -> bool:
-    """Whether `period_check` of proof/Period.v would say yes, in floating point and so with some room: the law turns in time and
-    pushes back enough, within its limits."""
-    rows = hints(facts, sampling)
+    """Return whether `period_check` of proof/Period.v accepts these numbers, decided with a margin."""
     if any((1 - e) / 2 * (1 + rho) > 1 for e, rho in zip(facts.e_max, sampling.rho, strict=True)):
         return False
-    own = all(_turns(facts, sampling, rows, i) for i in range(facts.n))
-    return own and any(all(_pushes_back(facts, sampling, rows, i, m) for i in range(facts.n)) for m in CELLS)
-
-
-def _pushed(facts: Facts, sampling: Sampling, rows: list[list[Hint]], i: int) -> Iterator[tuple[float, float, float, float]]:
-    """Of one component by window: the least and the largest width, what pushes towards an edge, the largest |u|."""
-    for (least, largest), speed, row in zip(widths(facts, i), speeds(facts, i), rows, strict=True):
-        others = sum((u for j, (u, _) in enumerate(row) if j != i), Fraction(0))
-        yield float(least), float(largest), float(sampling.force[i] + sampling.g_cross[i] * others + speed), float(row[i][0])
-
-
-def _turns(facts: Facts, sampling: Sampling, rows: list[list[Hint]], i: int) -> bool:
-    """An input that was right when it was made is not yet wrong when the next one acts; what pushes is within the limit on u."""
-    rho, shift, lost = float(sampling.rho[i]), float(sampling.shift[i]), float(sampling.lost)
-    before, tau, limit = 0.0, float(sampling.period + sampling.latency), None if facts.u_max is None else facts.u_max[i]
-    for least, largest, push, most in _pushed(facts, sampling, rows, i):
-        broadest, before = max(before, largest), largest
-        moved = 2 * (push + float(sampling.g_max[i]) * most) * tau
-        if 2 * shift + lost * (broadest + 2 * shift) + ROUGH * least >= least * (rho - 1) / (rho + 1) - moved:
-            return False
-        if limit is not None and push * (1 + ROUGH) > sampling.g_min[i] * limit:
-            return False
-    return True
-
-
-def _pushes_back(facts: Facts, sampling: Sampling, rows: list[list[Hint]], i: int, m: int) -> bool:
-    """Of one component in every window and cell, as proof/Period.v has it, in floating point and so with some room."""
-    rho, shift, lost = float(sampling.rho[i]), float(sampling.shift[i]), float(sampling.lost)
-    late, pull = float(sampling.latency), float(sampling.g_min[i] * facts.gain[i]) * (1 - lost)
-    for least, largest, push, most in _pushed(facts, sampling, rows, i):
-        drift = push * (float(sampling.period) + late) + float(sampling.g_max[i]) * most * late + shift
-        for k in range(m):
-            d, to = (least + (largest - least) * j / m for j in (k, k + 1))
-            far, near, nearest = d * rho / (1 + rho) - drift, d / (1 + rho) + drift, to / (1 + rho) + drift
-            if far <= near or pull / nearest * (1 + near / far) * (math.log(far / near) - lost - ROUGH) <= push:
-                return False
-    return True
+    conditions = CoqConditions.of(facts, sampling, hints(facts, sampling))
+    return conditions.turns_in_time() and any(map(conditions.pushes_back, CELL_COUNTS))

@@ -15,6 +15,7 @@ from typing import Any
 
 from stt_codegen.certify import checker
 from stt_codegen.design_kinds import CAPABILITIES, kinds_offering
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.properties import Property
 from stt_codegen.theorem.unsafe_sets import Edges, Face, Normal, Sets, Shape, normals, sets
@@ -66,13 +67,13 @@ Statement = tuple[str, Operand, Operand]  # one operation of the C: sign, left, 
 @dataclass(frozen=True, kw_only=True)
 class Facts:
     """Unsafe sets are grown by the body and the state space shrunk; `unsafe` by name, `normals` for each of them; walls, goals:
-    half-spaces that cut state space and target. unit: of the table; error: P7's bound in units, at least the certificate's of
-    every dimension. rate, last: K/t_c and the last spline time, as the C has them. code: `basis` and then `blend`, on s,
-    q0 .. q3. beyond: what of this task the theorems about the loop are not yet about."""
+    half-spaces that cut state space and target. design: the tube of the C's table; error: P7's bound in its units, at least the
+    certificate's of every dimension. rate, last: K/t_c and the last spline time, as the C has them. code: `basis` and then
+    `blend`, on s, q0 .. q3. beyond: what of this task the theorems about the loop are not yet about."""
 
     name: str
     scalar: str
-    t_c: Fraction
+    design: RefinedDesign
     state: tuple[Fraction, ...]
     space: Edges
     start: Edges
@@ -83,9 +84,7 @@ class Facts:
     goals: tuple[Face, ...]
     clearance: Fraction
     min_width: Fraction
-    unit: Fraction
     error: int
-    table: tuple[tuple[tuple[int, int], ...], ...]
     rate: Fraction
     last: Fraction
     code: tuple[Statement, ...]
@@ -102,8 +101,20 @@ class Facts:
         return len(self.state)
 
     @property
+    def t_c(self) -> Fraction:
+        return self.design.prescribed_time
+
+    @property
+    def unit(self) -> Fraction:
+        return self.design.unit
+
+    @property
+    def table(self) -> tuple[tuple[tuple[int, int], ...], ...]:
+        return self.design.table
+
+    @property
     def segments(self) -> int:
-        return len(self.table) - 3
+        return self.design.segments
 
 
 def covered(task: bytes, certificate: dict[str, Any]) -> checker.Task:
@@ -175,7 +186,7 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
     return Facts(
         name=task.name,
         scalar=document["scalar"],
-        t_c=task.t_c,
+        design=RefinedDesign(task.t_c, tube.segments, document["grid"]["unit_bits"], tuple(tuple(row) for row in tube.table)),
         state=tuple(task.state),
         space=_edges(task.space),
         start=_edges(task.start),
@@ -186,9 +197,7 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
         goals=told.goals,
         clearance=task.clearance,
         min_width=task.min_width,
-        unit=tube.unit,
         error=error,
-        table=tuple(tuple(row) for row in tube.table),
         rate=rate,
         last=last,
         code=kernels(c),

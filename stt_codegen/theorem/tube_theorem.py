@@ -12,7 +12,7 @@ from typing import Any
 from stt_codegen.decimals import above, below
 from stt_codegen.decimals import exact_decimal as exact
 from stt_codegen.program.targets.template_files import template
-from stt_codegen.theorem.hints import Hint, cells, hints, steps
+from stt_codegen.theorem.hints import Hint, cells, hints
 from stt_codegen.theorem.reading import FORMATS, Facts, Sampling, Statement, lateness
 from stt_codegen.theorem.unsafe_sets import Edges, Face, Point, Shape, solid
 
@@ -200,13 +200,13 @@ def written(facts: Facts, reason: str = "") -> bytes:
         goals=half_spaces(facts.goals),
         clearance=rational(facts.clearance),
         min_width=rational(facts.min_width),
-        bits=facts.unit.denominator.bit_length() - facts.unit.numerator.bit_length(),
+        bits=facts.design.bits,
         unit=rational(facts.unit),
         table=["; ".join(f"({whole(a)}, {whole(b)})" for a, b in row) for row in facts.table],
         code=[statement(said) for said in facts.code],
         scale=f"{dyadic(facts.rate)} {dyadic(facts.last)}",
         error=rational(facts.error * facts.unit),
-        steps=f"[{'; '.join(map(whole, steps(facts)))}]",
+        steps=f"[{'; '.join(whole(int(v)) for v in facts.design.largest_steps().max(axis=0))}]",
         late=rational(Fraction(math.ceil(late * 2**90), 2**90)),
         format=FORMATS[facts.scalar][0],
         gain="; ".join(real(k) for k in facts.gain),

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from stt_codegen.certify.certificate import PeriodProof
 from stt_codegen.decimals import above
 from stt_codegen.designs import RefinedDesign
+from stt_codegen.sampling import FRACTIONS, refined_windows
 from stt_codegen.task import Task
 
 
@@ -25,18 +26,14 @@ class LostTurn(NamedTuple):
 
 def lost_turn(task: Task, design: RefinedDesign, proof: PeriodProof) -> LostTurn | None:
     """Return the first axis in which a turn might be miscounted; None where there is none."""
-    bezier, unit = design.bezier(), design.unit
-    rate = unit * design.segments / task.prescribed_time
-    u = [Fraction(str(above(v))) for v in proof.u]  # as the certificate claims it
+    windows, speeds = refined_windows(design, FRACTIONS), design.edge_speed_bounds()
+    velocities = task.largest_derivative([Fraction(str(above(v))) for v in proof.u])  # for u as the certificate claims it
     for axis in task.closed_axes:
         i = axis.index
-        width = int((bezier[:, i, 1] - bezier[:, i, 0]).max()) * unit
-        speed = int(3 * abs(bezier[:, i, :, 1:] - bezier[:, i, :, :-1]).max()) * rate
+        width, speed = windows.wide[:, i].max(), speeds[i]
         motion = width + speed * proof.period
         if task.order == 1:
-            bounds = task.plant_bounds[i]
-            velocity = bounds.force + bounds.g_max * u[i] + bounds.cross * (sum(u, Fraction(0)) - u[i])
-            motion = min(motion, velocity * proof.period)
+            motion = min(motion, velocities[i] * proof.period)
         else:
             motion = min(motion, (speed + design.filter[i] * width) * proof.period)
         if motion >= axis.largest_step:

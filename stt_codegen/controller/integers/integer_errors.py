@@ -87,7 +87,7 @@ def weight_errors() -> tuple[Fraction, Fraction]:
 def edge_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:
     """By dimension, a bound on |edge at a tick - gamma(t)|, in the task's units: for a tick of `period` seconds."""
     step = np.abs(np.diff(design.integers(), axis=0)).max(axis=(0, 2))
-    slope = 3 * np.abs(np.diff(design.bezier(), axis=3)).max(axis=(0, 2, 3))
+    slope = 3 * design.largest_steps().max(axis=0)
     moved, weights = late(clock_of(design, period)), sum(weight_errors(), Fraction(0))
     return tuple((int(v) * moved + int(d) * weights + 2) * design.unit for v, d in zip(slope, step, strict=True))
 

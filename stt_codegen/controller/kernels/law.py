@@ -33,7 +33,6 @@ from stt_codegen.program import (
     Table,
     Var,
     real,
-    round_down,
 )
 from stt_codegen.program.convert import lower
 from stt_codegen.task import Task
@@ -124,7 +123,7 @@ def control_law_of(task: Task) -> Law:
         law=law,
         gain=task.gain,
         e_max=task.e_max,
-        u_max=None if task.u_max is None else tuple(round_down(v, scalar) for v in task.u_max),
+        u_max=task.emitted_u_max,
         scales=task.scales_input,
     )
 

@@ -36,8 +36,16 @@ from stt_codegen.sampling import (
     refined_windows,
     start_bound_of_share,
 )
+from stt_codegen.task import Task
 
 OUTWARD_ROUNDING = Fraction(1, 10**9) + Fraction(1, 1 << 50)  # relative: of doubles at most, and the rounding of that
+
+
+class TaskNumbers(SimpleNamespace):
+    """The numbers of a task that its law reads, which no file could spell; what a task derives from them it derives here too."""
+
+    emitted_u_max = Task.emitted_u_max
+    largest_coordinate = Task.largest_coordinate
 
 
 @dataclass(frozen=True)
@@ -53,6 +61,7 @@ class BezierTube:
     seam: int | None = None
 
     windows = RefinedDesign.windows
+    largest_steps = RefinedDesign.largest_steps
 
     @property
     def segments(self) -> int:
@@ -257,7 +266,7 @@ def _check_law(checks: SafeSideChecks, scalar: str, noise: float, limit: tuple[F
     ends = ends if noise else (tuple(-v for v in ends[1]), tuple(-v for v in ends[0]))  # the largest |x| at either end
     box = SimpleNamespace(lower=ends[0], upper=ends[1])
     emit = SimpleNamespace(scalar=scalar, math="libm")
-    task: Any = SimpleNamespace(
+    task: Any = TaskNumbers(
         dimension=2, order=1, state_space=box, emit=emit, gain=(Fraction(1, 3), Fraction(-2, 7)),
         e_max=(Fraction(9, 10),) * 2, u_max=limit, plant=SimpleNamespace(noise=Fraction(noise)),
     )  # fmt: skip

@@ -1,0 +1,292 @@
+"""Laws of the formulas that stand outside the sampling conditions: Coq's hints, lost turns, velocities by differences, P8.
+
+Each is compared with numbers that are written here a second time, for plants whose inputs are coupled.
+test_one_formula.py runs them, with the formulas as they are and with a wrong term in each.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+from stt_codegen import constraints
+from stt_codegen.certify.sampled.lost_turns import lost_turn
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.sampling.order_two import difference_error
+from stt_codegen.task import Task
+from stt_codegen.task.schema import ComponentBounds
+from stt_codegen.theorem import hints
+from stt_codegen.theorem.reading import Sampling
+
+SEGMENTS = 4
+BITS = 12  # of the tables
+
+
+def drawn(draw: random.Random, low: float, high: float) -> Fraction:
+    return Fraction(math.floor(draw.uniform(low, high) * 2**20), 2**20)
+
+
+def moving_design(draw: random.Random, n: int, seconds: Fraction = Fraction(40)) -> RefinedDesign:
+    """Return a tube that moves, and whose width changes from segment to segment; it rests at its end."""
+    table = []
+    for _ in range(SEGMENTS + 3):
+        lows = [round(2**BITS * draw.uniform(0, 0.02)) for _ in range(n)]
+        table.append(tuple((low, low + round(2**BITS * draw.uniform(0.09, 0.11))) for low in lows))
+    return RefinedDesign(seconds, SEGMENTS, BITS, (*table[:-1], table[-3]))
+
+
+@dataclass(frozen=True)
+class WindowByHand:
+    """One component in one window and the one before: widths narrow to wide, the narrowest and the broadest, the edge's speed."""
+
+    narrow: Fraction
+    wide: Fraction
+    narrowest: Fraction
+    broadest: Fraction
+    speed: Fraction
+
+
+def windows_by_hand(design: RefinedDesign, i: int) -> list[WindowByHand]:
+    """Return the windows of a component, from the control points; the last is the time from t_c on."""
+    edges, per_second = [], Fraction(3 * design.segments) / design.prescribed_time
+    for k in range(design.segments):
+        points = [design.table[k + j][i] for j in range(4)]
+        edge_pair = []
+        for a, b, c, d in zip(*points, strict=True):
+            edge_pair.append([a + 4 * b + c, 4 * b + 2 * c, 2 * b + 4 * c, b + 4 * c + d])
+        edges.append(edge_pair)
+    edges.append([[edge[3]] * 4 for edge in edges[-1]])
+    widths = [[(b - a) * design.unit for a, b in zip(low, high, strict=True)] for low, high in edges]
+    steps = [max(abs(b - a) for edge in pair for a, b in itertools.pairwise(edge)) * design.unit for pair in edges]
+    result = []
+    for k, width in enumerate(widths):
+        before = max(k - 1, 0)
+        narrowest, broadest = min(*width, *widths[before]), max(*width, *widths[before])
+        speed = max(steps[k], steps[before]) * per_second
+        result.append(WindowByHand(min(width), max(width), narrowest, broadest, speed))
+    return result
+
+
+# ------------------------------------------------------------------------------------------------ what Coq decides
+
+
+def inputs_by_hand(facts: Any, s: Sampling) -> list[list[float]]:
+    """Return U by window and component, as `most_check` of proof/Period.v has it."""
+    columns = []
+    for i, rho in enumerate(map(float, s.rho)):
+        column = []
+        for window in windows_by_hand(facts.design, i):
+            d, shift, lost = float(window.narrowest), float(s.shift[i]), float(s.lost)
+            near, far = d / (1 + rho) - shift, d * rho / (1 + rho) + shift
+            u = float(facts.gain[i]) * (1 / near + 1 / far) * (math.log(far / near) + lost) * (1 + lost)
+            column.append(u if facts.u_max is None else min(u, float(facts.u_max[i])))
+        columns.append(column)
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def coq_accepts(facts: Any, s: Sampling, cell_count: int) -> bool:
+    """Whether `window_check` of proof/Period.v accepts every window, in floating point."""
+    tau, lost, inputs = float(s.period + s.latency), float(s.lost), inputs_by_hand(facts, s)
+    for i, rho in enumerate(map(float, s.rho)):
+        g_min, g_max, shift, gain = (float(v[i]) for v in (s.g_min, s.g_max, s.shift, facts.gain))
+        for window, u in zip(windows_by_hand(facts.design, i), inputs, strict=True):
+            others = float(s.g_cross[i]) * sum(v for j, v in enumerate(u) if j != i)
+            push = float(s.force[i] + window.speed) + others
+            half = float(window.narrow) * (rho - 1) / (rho + 1) - 2 * (push + g_max * u[i]) * tau
+            if 2 * shift + lost * (float(window.broadest) + 2 * shift) >= half:
+                return False
+            if facts.u_max is not None and push > g_min * float(facts.u_max[i]):
+                return False
+            drift = push * tau + g_max * u[i] * float(s.latency) + shift
+            low, high = float(window.narrow), float(window.wide)
+            for k in range(cell_count):
+                begin, end = (low + (high - low) * j / cell_count for j in (k, k + 1))
+                a, b, b_at_end = begin * rho / (1 + rho) - drift, begin / (1 + rho) + drift, end / (1 + rho) + drift
+                if a <= b or g_min * gain / b_at_end * (1 + b / a) * (1 - lost) * (math.log(a / b) - lost) <= push:
+                    return False
+    return True
+
+
+def with_period(s: Sampling, period: Fraction) -> Sampling:
+    return Sampling(**{**vars(s), "period": period})
+
+
+@functools.cache
+def coq_cases() -> list[tuple[Any, Sampling]]:
+    """Return random loops, each with nearly the longest period that Coq accepts in the finest cells; loops with none are left out."""
+    draw, cases = random.Random(7), []
+    for is_limited, is_late in list(itertools.product((False, True), repeat=2)) * 12:
+        share = draw.choice((0.4, 0.6, 0.8))
+        rho = tuple(drawn(draw, 0.98, 1) * (1 + Fraction(share)) / (1 - Fraction(share)) for _ in range(2))
+        typical = Fraction(round(0.07 * 0.6 / ((1 + rho[0]) * (1 + 1 / rho[0]) * Fraction(math.log(rho[0]))) * 2**20), 2**20)
+        facts = SimpleNamespace(
+            n=2,
+            design=moving_design(draw, 2),
+            gain=tuple(drawn(draw, 1.1, 4) * typical for _ in range(2)),  # little and much more than what is needed
+            e_max=(Fraction(9, 10),) * 2,
+            u_max=tuple(drawn(draw, 0.3, 0.8) for _ in range(2)) if is_limited else None,
+        )
+        s = Sampling(
+            period=Fraction(1, 1000),
+            latency=drawn(draw, 0.005, 0.02) if is_late else Fraction(0),
+            share=Fraction(share) - Fraction(1, 10),
+            force=tuple(drawn(draw, 0.02, 0.05) for _ in range(2)),
+            g_min=tuple(drawn(draw, 0.7, 0.9) for _ in range(2)),
+            g_max=tuple(drawn(draw, 1, 1.3) for _ in range(2)),
+            g_cross=tuple(drawn(draw, 0.02, 0.06) for _ in range(2)),
+            rho=rho,
+            shift=tuple(drawn(draw, 0.001, 0.003) for _ in range(2)),
+            lost=Fraction(1, 256),
+            noise=Fraction(0),
+        )
+        if coq_accepts(facts, s, hints.CELL_COUNTS[-1]):
+            cases.append((facts, with_period(s, longest_by_hand(facts, s))))
+    return cases
+
+
+def longest_by_hand(facts: Any, s: Sampling) -> Fraction:
+    low, high = s.period, Fraction(4)
+    for _ in range(20):
+        middle = (low + high) / 2
+        low, high = (middle, high) if coq_accepts(facts, with_period(s, middle), hints.CELL_COUNTS[-1]) else (low, middle)
+    return low
+
+
+def with_limits(facts: Any, factor: Fraction) -> Any:
+    return SimpleNamespace(**{**vars(facts), "u_max": tuple(factor * v for v in facts.u_max)})
+
+
+def limits_agree(facts: Any, s: Sampling) -> bool:
+    """Whether u_max is accepted down to where it no longer outdoes what pushes."""
+    low, high = Fraction(0), Fraction(1)
+    for _ in range(20):
+        middle = (low + high) / 2
+        low, high = (low, middle) if coq_accepts(with_limits(facts, middle), s, hints.CELL_COUNTS[-1]) else (middle, high)
+    smaller, larger = (with_limits(facts, high * (1000 + k) / 1000) for k in (-2, 2))
+    return hints.holds(larger, s) and not hints.holds(smaller, s)
+
+
+def cells_by_hand(facts: Any, s: Sampling) -> int | None:
+    """Return the smallest number of cells that Coq needs; None where a period shorter or longer by a thousandth needs another."""
+    counts = {
+        next((m for m in hints.CELL_COUNTS if coq_accepts(facts, with_period(s, s.period * (1000 + k) / 1000), m)), 0)
+        for k in (-1, 0, 1)
+    }
+    return counts.pop() if len(counts) == 1 else None
+
+
+def the_hints_agree() -> bool:
+    """Bounds on |u| are a little above those by hand; what Coq accepts is decided on both sides of its longest period."""
+    compared = 0
+    for facts, longest in coq_cases():
+        rows = hints.hints(facts, longest)
+        pairs = [(float(u), v) for row, values in zip(rows, inputs_by_hand(facts, longest), strict=True)
+                 for (u, _), v in zip(row, values, strict=True)]  # fmt: skip
+        if any(not v * (1 - 1e-9) <= u <= v * (1 + 1e-3) for u, v in pairs):
+            return False
+        shorter, longer = (with_period(longest, longest.period * (1000 + k) / 1000) for k in (-2, 2))
+        if not hints.holds(facts, shorter) or hints.holds(facts, longer):
+            return False
+        if facts.u_max is not None and not limits_agree(facts, with_period(longest, longest.period / 2)):
+            return False
+        for part in (Fraction(1, 2), Fraction(3, 4), Fraction(9, 10)):
+            s = with_period(longest, longest.period * part)
+            if count := cells_by_hand(facts, s):
+                compared += 1
+                if hints.cells(facts, s, hints.hints(facts, s)) != count:
+                    return False
+    return compared > 10
+
+
+# ------------------------------------------------------------------------------------------------ bounds for stated plants
+
+
+class TaskNumbers(SimpleNamespace):
+    """The numbers of a task that the formulas read; what a task derives from them it derives here too."""
+
+    coupling_of = Task.coupling_of
+    largest_derivative = Task.largest_derivative
+
+
+def coupled_task(draw: random.Random, n: int, **numbers: Any) -> Any:
+    bounds = [
+        ComponentBounds(*(drawn(draw, *ends) for ends in ((0.1, 0.5), (0.7, 0.9), (1, 1.3), (0.05, 0.2)))) for _ in range(n)
+    ]
+    inputs = tuple(drawn(draw, 1, 2) for _ in range(n))
+    common = {"dimension": n, "plant_bounds": tuple(bounds), "emitted_u_max": inputs, "scales_input": False}
+    return TaskNumbers(**common, **numbers)
+
+
+def derivatives_by_hand(task: Any, inputs: Sequence[Fraction]) -> list[Fraction]:
+    result = []
+    for i, bounds in enumerate(task.plant_bounds):
+        others = sum((bounds.cross * u for j, u in enumerate(inputs) if j != i), Fraction(0))
+        result.append(bounds.force + bounds.g_max * inputs[i] + others)
+    return result
+
+
+def lost_turns_agree() -> bool:
+    """An axis may move by its width and its edges' motion, or by what u makes of x; the smaller of both is compared."""
+    draw, by_plant = random.Random(8), 0
+    for k in range(30):
+        n, order = 1 + k % 3, 1 + k % 2
+        design = moving_design(draw, n, Fraction(8))
+        design = RefinedDesign(
+            **{**vars_of(design), "filter": tuple(drawn(draw, 0.5, 4) for _ in range(n)) if order == 2 else ()}
+        )
+        task = coupled_task(draw, n, order=order, prescribed_time=design.prescribed_time)
+        period = drawn(draw, 0.01, 0.6)
+        u = [Fraction(draw.randint(8, 16), 8) for _ in range(n)]  # which the certificate states without rounding
+        for i in range(n):
+            windows = windows_by_hand(design, i)
+            width, speed = max(w.wide for w in windows), max(w.speed for w in windows)
+            rate = derivatives_by_hand(task, u)[i] if order == 1 else speed + design.filter[i] * width
+            moves = min(width + speed * period, rate * period)
+            by_plant += order == 1 and moves == rate * period
+            task.closed_axes = [SimpleNamespace(index=i, largest_step=moves)]
+            lost = lost_turn(task, design, SimpleNamespace(u=u, period=period))  # type: ignore[arg-type]
+            if lost is None or (lost.axis, lost.motion, lost.allowed) != (i, moves, moves):
+                return False
+    return by_plant > 5
+
+
+def vars_of(design: RefinedDesign) -> dict[str, Any]:
+    return {name: getattr(design, name) for name in ("prescribed_time", "segments", "bits", "table")}
+
+
+def difference_errors_agree() -> bool:
+    draw = random.Random(9)
+    for k in range(20):
+        n = 1 + k % 3
+        task = coupled_task(
+            draw, n, emit=SimpleNamespace(scalar="float"), sampling_period=drawn(draw, 0.01, 0.02),
+            shortest_period=drawn(draw, 0.005, 0.01), largest_coordinate=Fraction(7),
+        )  # fmt: skip
+        noise, factor, roundoff = drawn(draw, 0.001, 0.002), drawn(draw, 1, 1.1), Fraction(1, 1 << 24)
+        speeds, widths, rates = ([drawn(draw, 1, 2) for _ in range(n)] for _ in range(3))
+        errors = []
+        for i, rate in enumerate(derivatives_by_hand(task, task.emitted_u_max)):
+            error = rate * factor * task.sampling_period / 2 + 2 * (noise + roundoff * (7 + noise)) / task.shortest_period
+            errors.append(error + 4 * roundoff * (speeds[i] + rates[i] * widths[i] + error))
+        if difference_error(task, noise, (speeds, widths), rates, factor) != tuple(errors):
+            return False
+    return True
+
+
+def control_authority_agrees() -> bool:
+    draw = random.Random(10)
+    for k in range(20):
+        task, expected = coupled_task(draw, 1 + k % 3), []
+        for i, bounds in enumerate(task.plant_bounds):
+            others = sum((bounds.cross * u for j, u in enumerate(task.emitted_u_max) if j != i), Fraction(0))
+            expected.append(bounds.g_min * task.emitted_u_max[i] - bounds.force - others)
+        if constraints.control_authority(task) != tuple(expected):
+            return False
+    return True
