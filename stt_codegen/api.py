@@ -23,7 +23,6 @@ import numpy.typing as npt
 from stt_codegen import pipeline
 from stt_codegen.arrays import as_floats
 from stt_codegen.certify import Certificate, Finding
-from stt_codegen.design import fitted_tube, spline_tube
 from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.designs import Design
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
@@ -195,6 +194,8 @@ def certify_tube(
     >>> controller.certificate.holds, bool(controller.distance(*samples).max() < 0.001)
     (True, True)
     """
+    from stt_codegen.design import fitted_tube, spline_tube  # brings the solvers, which no other import of this file needs
+
     if (points is None) == (samples is None):
         raise BadInput("certify_tube: give points or samples")
     task = _load_if_path(task)
