@@ -196,7 +196,7 @@ def kernel_differs(before: Kernel) -> Callable[[Any, random.Random], bool]:
     """At the claims' own points, moved a little, and at random ones."""
 
     def call(kernel: Kernel) -> Callable[..., Any]:
-        printer, names = PythonPrinter(Program("p", 1, "double", (), (kernel,), ())), {}
+        printer, names = PythonPrinter(Program("p", 1, "double", (), (kernel,), functions=())), {}
         exec("import math\n" + "\n".join(printer.kernel(kernel)), names)
         function: Callable[..., Any] = names[f"_{kernel.name}"]
         return function

@@ -181,7 +181,16 @@ def proofs(task: Task, design: RefinedDesign, base: Held, proof: PeriodProof | N
         u = input_bound(loop, np.array(rho, dtype=object))
         largest = tuple(u.max(axis=0).tolist()) if (u < math.inf).all() else (Fraction(1),) * task.dimension
         control, share = task.control, task.initial_set.share
-        found.append(PeriodProof(task.sampling_period, control.latency, share, rho, largest, tuple(loop.law.shift.tolist())))
+        found.append(
+            PeriodProof(
+                period=task.sampling_period,
+                latency=control.latency,
+                share=share,
+                rho=rho,
+                u=largest,
+                shift=tuple(loop.law.shift.tolist()),
+            )
+        )
     return found
 
 

@@ -80,7 +80,14 @@ def failing(subject: Property, margin: int = -1, required: int = 0, **changes: o
 
 
 def certificate(*findings: Finding) -> Certificate:
-    return Certificate(findings, (Fraction(0),), (Fraction(0),), Fraction(1), (), True)
+    return Certificate(
+        findings=findings,
+        edge_error=(Fraction(0),),
+        speed=(Fraction(0),),
+        minimum_width=Fraction(1),
+        start=(),
+        covers_initial_set=True,
+    )
 
 
 @pytest.mark.parametrize("subject", Property)

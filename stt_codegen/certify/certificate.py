@@ -7,7 +7,7 @@ a mission. The files beside this one compute the findings; reports and refusals 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from fractions import Fraction
 
 from stt_codegen.certify.monitor import Cycle, Witness
@@ -32,6 +32,7 @@ class Finding:
     margin: Fraction
     required: Fraction
     time: tuple[Fraction, Fraction] | None = None
+    _: KW_ONLY
     dimension: int | None = None
     obstacle: str | None = None
     advice: str = ""
@@ -76,7 +77,7 @@ class Finding:
         return f"{self.subject.label}{at}: fails by {decimal(self.required - self.margin)}{unit}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PeriodProof:
     """The numbers that P9 proves, by component unless stated otherwise.
 
@@ -92,7 +93,7 @@ class PeriodProof:
     shift: tuple[Fraction, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MissionProof:
     """The numbers that P10 proves.
 
@@ -108,7 +109,7 @@ class MissionProof:
     cycle: Cycle | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Certificate:
     """The findings for one tube, and the numbers that belong to them.
 

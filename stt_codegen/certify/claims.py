@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -63,6 +63,7 @@ class SlackClaim:
     margin: int | None
     name: str | None = None
     hints: tuple[Stretch, ...] = ()
+    _: KW_ONLY
     order: int | None = None
 
 

@@ -145,7 +145,7 @@ class _CertifiedTube:
         constraint, name = location
         time = (smallest.interval[0] * scale, smallest.interval[1] * scale)
         dimension = None if constraint.dimension is None else constraint.dimension + 1
-        return Finding(subject, statement, smallest.slack * self.design.unit, required, time, dimension, name)
+        return Finding(subject, statement, smallest.slack * self.design.unit, required, time, dimension=dimension, obstacle=name)
 
     def at(
         self, subject: Property, statement: str, constraints: Sequence[Constraint], point: tuple[int, int], *, advice: str = ""
@@ -165,7 +165,7 @@ class _CertifiedTube:
         time = Fraction(0) if segment == 0 else self.design.prescribed_time
         index = constraints[worst].dimension
         dimension = None if index is None else index + 1
-        return Finding(subject, statement, slack[worst], self.error, (time, time), dimension, None, advice)
+        return Finding(subject, statement, slack[worst], self.error, (time, time), dimension=dimension, advice=advice)
 
     def width(self) -> Finding:
         """Return the finding of P1; the arithmetic may move both edges, so twice its error is required."""
@@ -252,7 +252,7 @@ def _kink_finding(task: Task, design: RefinedDesign, statement: str) -> Finding:
     kink, time = design.kink(task.order), (design.prescribed_time, design.prescribed_time)
     i = int(kink.argmax())
     margin = -Fraction(int(kink[i])) * design.unit
-    return Finding(Property.SMOOTH, statement, margin, Fraction(0), time, i + 1, None, advice)
+    return Finding(Property.SMOOTH, statement, margin, Fraction(0), time, dimension=i + 1, advice=advice)
 
 
 def _acceleration_findings(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64]) -> tuple[Finding, ...]:
@@ -281,5 +281,11 @@ def _limited_finding(
     index, advice = constraints[worst].dimension, f"raise tube.{option} or prescribed_time"
     dimension = None if index is None else index + 1
     return Finding(
-        Property.SMOOTH, f"{statement}, within {option} {limit}", slack[worst], Fraction(0), None, dimension, None, advice
+        Property.SMOOTH,
+        f"{statement}, within {option} {limit}",
+        slack[worst],
+        Fraction(0),
+        None,
+        dimension=dimension,
+        advice=advice,
     )

@@ -121,7 +121,7 @@ def _start_finding(task: Task, design: RefinedDesign, errors: Sequence[Fraction]
         slack.units * slack.unit,
         Fraction(0),
         at_start,
-        slack.dimension + 1,
+        dimension=slack.dimension + 1,
         advice="lower initial_set.speed",
     )
 
@@ -146,4 +146,4 @@ def _finding(
     """Return a finding whose time interval is the segment with the smallest slack."""
     length = Fraction(design.prescribed_time) / design.segments
     time = (slack.segment * length, (slack.segment + 1) * length)
-    return Finding(subject, statement, slack.units * slack.unit, required, time, slack.dimension + 1, advice=advice)
+    return Finding(subject, statement, slack.units * slack.unit, required, time, dimension=slack.dimension + 1, advice=advice)

@@ -62,4 +62,4 @@ def certify_limits(task: Task, design: RefinedDesign) -> tuple[Finding, ...]:
         limit = by_component(task.u_max)
         statement = f"|u| <= {limit}, scaled as a whole, outdoes all that pushes: no edge moves at {speed}/s or more"
     time = (smallest.segment * length, (smallest.segment + 1) * length)
-    return (Finding(Property.LIMITS, statement, smallest.slack * per_second, per_second, time, smallest.dimension + 1),)
+    return (Finding(Property.LIMITS, statement, smallest.slack * per_second, per_second, time, dimension=smallest.dimension + 1),)

@@ -24,7 +24,7 @@ Long because the bounds of all quantities stand beside one another.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -62,6 +62,7 @@ class Row:
     error: float
     ulps: float
     share: float
+    _: KW_ONLY
     points: int
 
     @property
@@ -163,7 +164,7 @@ class _Rows:
         limit = np.maximum(np.asarray(bound, dtype=np.longdouble), 1e-300)
         share = np.where(np.isfinite(limit), error / limit, np.inf)  # a bound that says nothing is no bound
         self.rows.append(
-            Row(self.backend, quantity, float(error.max()), float((error / ulp).max()), float(share.max()), error.size)
+            Row(self.backend, quantity, float(error.max()), float((error / ulp).max()), float(share.max()), points=error.size)
         )
 
     def transform(self, controller: EmittedController, backend: Backend, lower: Array, upper: Array, x: Array) -> None:
@@ -180,7 +181,14 @@ class _Rows:
         """Statuses; `distance` (P, n): how much farther x is from each edge than the arithmetic can move it."""
         wrong = (got != want) & (distance.min(axis=1) > 0)
         self.rows.append(
-            Row(self.backend, "status" + label, float(wrong.sum()), float(wrong.sum()), 2.0 if wrong.any() else 0.0, len(got))
+            Row(
+                self.backend,
+                "status" + label,
+                float(wrong.sum()),
+                float(wrong.sum()),
+                2.0 if wrong.any() else 0.0,
+                points=len(got),
+            )
         )
 
 
@@ -194,7 +202,7 @@ def _integer_rows(rows: _Rows, controller: EmittedController, design: RefinedDes
     edge, rate = (np.array([float(v) for v in error]) for error in errors_of_tube(design, controller.program))
     integer_rows(controller, design, backend, points, (edge, rate), rows.add, rows.status)
     other = same_as_python(controller, design, backend, points)
-    rows.rows.append(Row(backend.name, "bits as Python's", float(other), float(other), 2.0 if other else 0.0, points))
+    rows.rows.append(Row(backend.name, "bits as Python's", float(other), float(other), 2.0 if other else 0.0, points=points))
 
 
 def _refined_rows(rows: _Rows, controller: EmittedController, design: RefinedDesign, backend: Backend, points: int) -> None:
@@ -317,7 +325,7 @@ def _input_row(
     rows.add("u" + label, got, u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Truth:
     """Points and, for every quantity of an adaptive or literal design there, the reference's value and the bound."""
 
@@ -382,7 +390,7 @@ def _adaptive_truth(controller: EmittedController, design: AdaptiveDesign, point
     values = {name: (want, bound + held + own[name]) for name, (want, bound) in values.items()}
     room = np.minimum(np.abs(x - low), np.abs(high - x)) - np.maximum(moved[:, :n], moved[:, n:])
     eps = float(FORMATS[scalar].roundoff)
-    return _Truth(t, dt, alpha, x, status, room - 2 * eps * np.abs(x), values)
+    return _Truth(t=t, dt=dt, alpha=alpha, x=x, status=status, distance=room - 2 * eps * np.abs(x), values=values)
 
 
 def _rows_of_adaptive(rows: _Rows, design: AdaptiveDesign, compared: _Compared) -> None:

@@ -248,7 +248,7 @@ def _margin(frame: Frame) -> Function:
         loop.update(least, block.select("margin_next", block.op("less", "lt", share, least), share, least))
     block.leave(least)
     params = (Param("t", None), Param("alpha", 2 * n), Param("x", n))
-    return Function("margin", params, tuple(block.statements), False, MARGIN_DOC, True)
+    return Function("margin", params, tuple(block.statements), False, MARGIN_DOC, returns_real=True)
 
 
 def _margins(frame: Frame) -> Function:

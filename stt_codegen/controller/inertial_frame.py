@@ -270,7 +270,7 @@ def _margin(frame: Frame, guarded: bool) -> Function:
             "negative outside, at least -1; NaN when an argument is not finite.",
             "Watch it: act while there is margin, not when the tube is left.",
         ),
-        True,
+        returns_real=True,
     )
 
 

@@ -16,7 +16,7 @@ def probe_program(task: Task, design: AdaptiveDesign) -> Program:
     names = {"hold", "profile", "reach_edge", "theta"} | ({"circumvent"} if any(frame.slots) else set())
     names |= {"join"} if max(frame.slots) > 1 else set()
     kernels = tuple(k for name, k in vars(frame.kernels).items() if name in names)
-    return Program(task.name, frame.n, task.emit.scalar, tuple(tables), kernels, (_probe(frame),))
+    return Program(task.name, frame.n, task.emit.scalar, tuple(tables), kernels, functions=(_probe(frame),))
 
 
 def lines_program(task: Task, design: AdaptiveDesign) -> Program:
@@ -25,7 +25,7 @@ def lines_program(task: Task, design: AdaptiveDesign) -> Program:
     names = {"hold", "profile", "reach_edge", "theta", "lower_edge", "upper_edge", "circumvent", "circumvent_rate", "join"}
     kernels = tuple(k for name, k in vars(frame.kernels).items() if name in names)
     tables = tuple(tables_of(frame))
-    return Program(task.name, frame.n, task.emit.scalar, tables, kernels, (_lines(frame),))
+    return Program(task.name, frame.n, task.emit.scalar, tables, kernels, functions=(_lines(frame),))
 
 
 def _probe(frame: Frame) -> Function:

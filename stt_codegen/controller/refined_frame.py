@@ -187,7 +187,7 @@ def _margin(spline: SplineKernels, n: int, guarded: bool) -> Function:
         share = margin_component(block, Between(lower_edge, upper_edge, block.let("x_i", Load("x", loop.index))), guarded)
         loop.update(least, block.select("margin_next", block.op("less", "lt", share, least), share, least))
     block.leave(least)
-    return Function("margin", (Param("t", None), Param("x", n)), tuple(block.statements), False, MARGIN_DOC, True)
+    return Function("margin", (Param("t", None), Param("x", n)), tuple(block.statements), False, MARGIN_DOC, returns_real=True)
 
 
 def _margins(spline: SplineKernels, n: int, guarded: bool) -> Function:

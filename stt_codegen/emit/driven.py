@@ -53,7 +53,7 @@ def adapter_source(task: Task, design: Design, certificate: Certificate) -> str:
 def plant_source(plant: Model, n: int, order: int) -> str:
     """`loop_plant`: f and g of a plant in n dimensions, in double."""
     kernel = lower(model(plant, n, order))
-    lines = CPrinter(Program("plant", n, "double", (), (kernel,), ())).kernel(kernel)
+    lines = CPrinter(Program("plant", n, "double", (), (kernel,), functions=())).kernel(kernel)
     outputs = [f"f + {i}" for i in range(n)] + [f"g + {i}" for i in range(n * n)]
     sizes = {"x": order * n, "p": len(plant.constants), "sample": n if plant.mixing else 0}
     inputs = [f"{name}[{i}]" for name, size in sizes.items() for i in range(size)]

@@ -44,7 +44,7 @@ VAGUE = 1 / 8  # of u: with more left open near the middle, a wrong table would 
 TIGHT = 1e-4  # a ball's radius over its size where nothing was left undecided
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Vectors:
     """Calls of one function: arguments one after the other (ticks apart), statuses, the least and greatest u of each."""
 
@@ -114,13 +114,15 @@ def _vectors(
     lengths = [p.length or 1 for p in numbers]
     suffix = "" if name == "control" else "_at_ticks"
     return Vectors(
-        name,
-        tuple(ticks),
-        Table("points" + suffix, tuple(points), sum(lengths), (f"Arguments of {name}: {', '.join(p.name for p in numbers)}.",)),
-        tuple(statuses),
-        Table("least" + suffix, tuple(low), n, ("u may be from here",)),
-        Table("greatest" + suffix, tuple(high), n, ("to here: all that IEEE arithmetic can give.",)),
-        tuple((sum(lengths[:k]), p.length is not None) for k, p in enumerate(numbers)),
+        function=name,
+        ticks=tuple(ticks),
+        points=Table(
+            "points" + suffix, tuple(points), sum(lengths), (f"Arguments of {name}: {', '.join(p.name for p in numbers)}.",)
+        ),
+        statuses=tuple(statuses),
+        low=Table("least" + suffix, tuple(low), n, ("u may be from here",)),
+        high=Table("greatest" + suffix, tuple(high), n, ("to here: all that IEEE arithmetic can give.",)),
+        arguments=tuple((sum(lengths[:k]), p.length is not None) for k, p in enumerate(numbers)),
     )
 
 

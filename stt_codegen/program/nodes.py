@@ -12,7 +12,7 @@ A new operation is one row of operations.py. What is proved and counted is what 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from enum import Enum
 from fractions import Fraction
 
@@ -217,6 +217,7 @@ class Kernel:
     body: tuple[Assign, ...]
     outputs: tuple[Operand, ...]
     output_names: tuple[str, ...]
+    _: KW_ONLY
     doc: tuple[str, ...] = ()
 
 
@@ -241,6 +242,7 @@ class Function:
     body: tuple[Statement, ...]
     returns_status: bool
     doc: tuple[str, ...] = ()
+    _: KW_ONLY
     returns_real: bool = False
     returns_bool: bool = False
 
@@ -263,6 +265,7 @@ class Program:
     scalar: str
     tables: tuple[Table, ...]
     kernels: tuple[Kernel, ...]
+    _: KW_ONLY
     functions: tuple[Function, ...]
     tick: Fraction | None = None
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from enum import Enum
 from fractions import Fraction
 from math import isqrt
@@ -76,6 +76,7 @@ class Operation:
     cost: str
     number: Callable[..., Any]
     infix: str = ""
+    _: KW_ONLY
     call: str = ""
     casadi: tuple[str, ...] = ()
     ball: str = ""

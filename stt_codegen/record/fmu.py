@@ -174,7 +174,7 @@ def plant_unit(task: Task, plant: Model) -> Unit:
         for k, (a, b) in enumerate(plant.constants)
     ]
     kernel = lower(model(plant, n, order))
-    lines = CPrinter(Program("plant", n, "double", (), (kernel,), ())).kernel(kernel)
+    lines = CPrinter(Program("plant", n, "double", (), (kernel,), functions=())).kernel(kernel)
     sizes = {"x": order * n, "p": len(plant.constants), "sample": n if plant.mixing else 0}
     given = [f"{what}[{i}]" for what, size in sizes.items() for i in range(size)]
     outputs = [f"&f[{i}]" for i in range(n)] + [f"&g[{i}]" for i in range(n * n)]

@@ -6,7 +6,7 @@ import hashlib
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 
 from stt_codegen.emit import Files
 
@@ -28,6 +28,7 @@ class Variable:
     description: str
     begin: str = "0.0"
     unit: str = ""
+    _: KW_ONLY
     whole: bool = False
     truth: bool = field(default=False, repr=False)  # tokens of units without one stay
     base: str = ""  # the task's unit that `unit` is, over seconds to the power `order`
@@ -52,6 +53,7 @@ class Unit:
     variables: tuple[Variable, ...]
     body: str
     stop: str
+    _: KW_ONLY
     header: str = ""
     sources: Files = field(default_factory=dict)
     kept: tuple[str, ...] = ()

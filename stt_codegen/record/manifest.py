@@ -11,7 +11,7 @@ import importlib.metadata
 import json
 import os
 import platform
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,7 @@ class Entry:
     design: str
     scalar: str
     uncertified: bool
+    _: KW_ONLY
     sha256: dict[str, str]
 
 

@@ -109,7 +109,7 @@ class _Part:
         self.is_smooth = all(isinstance(a.value, Op) and a.value.name in SMOOTH for a in self.kernel.body) and any(self.is_read)
         if self.is_smooth:
             kernels.append(lower(ca.Function("slopes", [sides], [ca.densify(ca.jacobian(value, sides))], ["x"], ["slopes"])))
-        self.enclosure = Enclosure(Program("plant", dimension, "double", (), tuple(kernels), ()), rounding=False)
+        self.enclosure = Enclosure(Program("plant", dimension, "double", (), tuple(kernels), functions=()), rounding=False)
 
     def pieces(self, box: Sides) -> Iterator[tuple[Ball, ...]]:
         """Yield the values over each piece of a box."""

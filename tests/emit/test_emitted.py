@@ -174,7 +174,9 @@ def test_names_that_collide_are_found() -> None:
         Kernel("gamma", (x,), (), (x,), ("y",)),
     ):
         with pytest.raises(ValueError, match="is used twice|is a reserved word of C|is a name of the library of C"):
-            check_names(Program(program.prefix, 2, "float", program.tables, (*program.kernels, kernel), program.functions))
+            check_names(
+                Program(program.prefix, 2, "float", program.tables, (*program.kernels, kernel), functions=program.functions)
+            )
     check_names(program)
 
 

@@ -134,7 +134,7 @@ def test_an_undecided_return_joins_both_ways_out() -> None:
     block.store("y", integer(0), x)
     block.leave(Const(Status.OK, STATUS))
     f = Function("f", (Param("x", 1), Param("y", 1, True)), tuple(block.statements), True)
-    balls = Enclosure(Program("bank", 1, "double", (), (), (f,)), rounding=False)
+    balls = Enclosure(Program("bank", 1, "double", (), (), functions=(f,)), rounding=False)
     for low, high, holds, statuses in (
         (0.0, 0.5, (-5,), {Status.BAD_INPUT}),
         (1.5, 2.0, (1.5, 2), {Status.OK}),
@@ -353,7 +353,7 @@ def test_balls_of_exponent_and_mantissa_hold_those_of_every_number_inside(low: f
     y = Var("y", REAL)
     e, m = block.op("base", "real", block.op("e", "exponent", y)), block.op("m", "mantissa", y)
     kernel = Kernel("split", (y,), tuple(block.statements), (e, m), ("e", "m"))  # type: ignore[arg-type]
-    balls = Enclosure(Program("p", 1, "double", (), (kernel,), ()), rounding=False)
+    balls = Enclosure(Program("p", 1, "double", (), (kernel,), functions=()), rounding=False)
     exponents, mantissas = balls.kernel("split", hull(low, low * factor))
     for share in shares:
         number = low + (low * factor - low) * share

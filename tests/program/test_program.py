@@ -198,7 +198,7 @@ def frame_program(scalar: str) -> Program:
     block.store("y", integer(0), total)
     block.leave()
     f = Function("f", (Param("x", 1), Param("y", 1, True)), tuple(block.statements), False)
-    return Program("bank", 1, scalar, (table,), (), (f,))
+    return Program("bank", 1, scalar, (table,), (), functions=(f,))
 
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
@@ -280,11 +280,11 @@ def test_every_operation_is_printed_by_every_printer_and_counted() -> None:
         args = tuple(Var(f"a{k}", t) for k, t in enumerate(row.args))
         op = Op(name, args)
         for scalar in FORMATS:
-            program = Program("p", 1, scalar, (), (), ())
+            program = Program("p", 1, scalar, (), (), functions=())
             assert all(target.printer(program).expression(op) for target in TARGETS if target.integers)
         var = Var("v", row.result)
         f = Function("f", (), (Assign(var, op),), False)
-        assert sum(cost_of(Program("p", 1, "float", (), (), (f,)), "f").values()) == 1
+        assert sum(cost_of(Program("p", 1, "float", (), (), functions=(f,)), "f").values()) == 1
 
 
 def test_the_cost_of_a_loop_is_its_count_times_its_body_and_an_early_leave_is_no_shortcut() -> None:

@@ -29,7 +29,7 @@ def one_function_program(kernel: Kernel, scalar: str) -> Program:
         block.store("y", integer(k), result)
     block.leave()
     f = Function("f", (Param("x", len(kernel.inputs)), Param("y", len(kernel.outputs), True)), tuple(block.statements), False)
-    return Program("bank", 1, scalar, (), (kernel,), (f,))
+    return Program("bank", 1, scalar, (), (kernel,), functions=(f,))
 
 
 def run_python(program: Program, name: str = "f") -> Callable[..., Any]:

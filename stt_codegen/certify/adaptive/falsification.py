@@ -102,7 +102,15 @@ def _finding(
     k, r = np.unravel_index(int(np.argmin(slack)), slack.shape)
     time, index = _exact(float(t[k])), constraints[int(r)].dimension
     dimension = None if index is None else index + 1
-    return Finding(subject, statement, _exact(float(slack[k, r])), Fraction(0), (time, time), dimension, None, advice)
+    return Finding(
+        subject,
+        statement,
+        _exact(float(slack[k, r])),
+        Fraction(0),
+        (time, time),
+        dimension=dimension,
+        advice=advice,
+    )
 
 
 def _start(task: Task, t: Array, low: Array, high: Array) -> list[Finding]:
@@ -126,4 +134,12 @@ def _avoid(task: Task, t: Array, low: Array, high: Array, advice: str) -> Findin
     k, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
     statement = f"gamma at least {decimal(task.tube.clearance)} from each of {len(sets)} unsafe sets"
     time = (_exact(float(t[k])), _exact(float(t[k + 1])))
-    return Finding(Property.AVOID, statement, _exact(float(gap[k, j])), Fraction(0), time, None, sets[int(j)].name, advice)
+    return Finding(
+        Property.AVOID,
+        statement,
+        _exact(float(gap[k, j])),
+        Fraction(0),
+        time,
+        obstacle=sets[int(j)].name,
+        advice=advice,
+    )

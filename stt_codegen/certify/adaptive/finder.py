@@ -63,7 +63,7 @@ class Finder:
         first, index = range(len(slack))[cells][0], constraints[int(r)].dimension
         dimension = None if index is None else index + 1
         margin, time = lower_bound(slack[cells][k, r]), self.interval(first + int(k))
-        return Finding(subject, statement, margin, Fraction(0), time, dimension, None, advice)
+        return Finding(subject, statement, margin, Fraction(0), time, dimension=dimension, advice=advice)
 
     def avoid(self) -> Finding:
         """Return the finding of P4: in every cell the best alternative of each unsafe set."""
@@ -77,7 +77,15 @@ class Finder:
             worst = min(worst, (float(slack[k]), k, avoidance.name))
         margin, k, name = worst
         statement = f"gamma at least {decimal(self.task.tube.clearance)} from each of {len(sets)} unsafe sets"
-        return Finding(Property.AVOID, statement, lower_bound(margin), Fraction(0), self.interval(k), None, name, SETTINGS)
+        return Finding(
+            Property.AVOID,
+            statement,
+            lower_bound(margin),
+            Fraction(0),
+            self.interval(k),
+            obstacle=name,
+            advice=SETTINGS,
+        )
 
     def interval(self, cell: int) -> tuple[Fraction, Fraction]:
         """Return the begin and the end of a cell, in seconds; the last one stands for all times from t_c on."""

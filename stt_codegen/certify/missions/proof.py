@@ -143,7 +143,9 @@ class _Evidence:
         by_entry = tuple(tuple(dict.fromkeys(witnesses(entry, seconds, cycle))) for entry in self.task.formulas)
         spans = {state: tuple(s.spans(margin)) for state, s in self.slack_by_state.items()}
         assert self.task.formula is not None
-        return MissionProof(self.task.formula, spans, margin, time_margin, by_entry, cycle)
+        return MissionProof(
+            formula=self.task.formula, spans=spans, margin=margin, time_margin=time_margin, witnesses=by_entry, cycle=cycle
+        )
 
 
 def _clock_finding(task: Task, evidence: _Evidence, statement: str, unit_error: int) -> Finding:

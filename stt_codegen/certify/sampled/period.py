@@ -98,7 +98,7 @@ def _start_outside_share(task: Task, design: RefinedDesign) -> Finding | None:
     larger = f", or raise initial_set.share to {needed:g}" if needed < min(task.e_max) else ""
     statement = f"initial_state within {decimal(share)} of gamma(0)'s half widths"
     at_start, advice = (Fraction(0), Fraction(0)), f"move initial_state inwards{larger}"
-    return Finding(Property.PERIOD, statement, -distance[i], Fraction(0), at_start, i + 1, None, advice)
+    return Finding(Property.PERIOD, statement, -distance[i], Fraction(0), at_start, dimension=i + 1, advice=advice)
 
 
 def _lost_turn_finding(task: Task, lost: LostTurn) -> Finding:
@@ -108,7 +108,7 @@ def _lost_turn_finding(task: Task, lost: LostTurn) -> Finding:
     allowed = f"{below(lost.allowed, 4):g}"
     advice = f"only less than {allowed} tells turns of {name} apart; lower control.period, or control.u_max there"
     time, margin = (Fraction(0), task.prescribed_time), lost.allowed - lost.motion
-    return Finding(Property.PERIOD, statement, margin, Fraction(0), time, lost.axis + 1, advice=advice)
+    return Finding(Property.PERIOD, statement, margin, Fraction(0), time, dimension=lost.axis + 1, advice=advice)
 
 
 def prove_period(task: Task, exact: SampledLoop, loop: SampledLoop, longest_period: Period | None) -> PeriodProof | None:
@@ -125,7 +125,9 @@ def prove_period(task: Task, exact: SampledLoop, loop: SampledLoop, longest_peri
         rho = tuple(map(min, wanted, exact.law.eps_at_clamp.tolist()))
         u = inputs_where_proved(exact, rho, age)
         if u is not None:
-            return PeriodProof(period, latency, task.initial_set.share, rho, u, tuple(exact.law.shift.tolist()))
+            return PeriodProof(
+                period=period, latency=latency, share=task.initial_set.share, rho=rho, u=u, shift=tuple(exact.law.shift.tolist())
+            )
     return None
 
 

@@ -32,7 +32,7 @@ def fixed_program(task: Task, design: RefinedDesign) -> Program:
     kernels = (*frame.of_time, frame.edge, curve_kernel(), push_kernel())
     starts = starts_of(task, design).tables("fixed", design.unit)
     tables = (*_tube_tables(design), *frame.tables, *law_tables(frame.law), *starts)
-    return Program(task.name, n, "fixed", tables, kernels, frame.functions(task), period)
+    return Program(task.name, n, "fixed", tables, kernels, functions=frame.functions(task), tick=period)
 
 
 def _tube_tables(design: RefinedDesign) -> tuple[Table, ...]:

@@ -156,7 +156,7 @@ class Frame:
             loop.update(least, block.select("margin_next", block.op("less", "ilt", share, least), share, least))
         block.leave(least)
         params = (TICK_PARAM, *(_integers(name, self.n) for name in self.vectors))
-        return Function("margin", params, tuple(block.statements), False, self.margin_doc, True)
+        return Function("margin", params, tuple(block.statements), False, self.margin_doc, returns_real=True)
 
     def margin_component(self, block: Block, i: Var, row: Operand, weights: tuple[Var, ...]) -> Var:
         """Statements for the margin of one component."""

@@ -63,7 +63,7 @@ def clock_of(design: RefinedDesign, period: Fraction) -> Clock:
 
 def _kernel(name: str, inputs: tuple[Var, ...], block: Block, outputs: Mapping[str, Operand], *doc: str) -> Kernel:
     body = tuple(block.statements)
-    return Kernel(name, inputs, body, tuple(outputs.values()), tuple(outputs), doc)  # type: ignore[arg-type]
+    return Kernel(name, inputs, body, tuple(outputs.values()), tuple(outputs), doc=doc)  # type: ignore[arg-type]
 
 
 def _ints(*names: str) -> tuple[Var, ...]:

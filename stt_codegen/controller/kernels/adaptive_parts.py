@@ -83,7 +83,7 @@ def _hold() -> Kernel:
     started = block.select("started", positive, t, real(0))
     running = block.op("running", "lt", started, t_c)
     held = block.select("held", running, started, t_c)
-    return Kernel("hold", (t, t_c), tuple(block.statements), (held,), ("held",), ("t held within [0, t_c].",))  # type: ignore[arg-type]
+    return Kernel("hold", (t, t_c), tuple(block.statements), (held,), ("held",), doc=("t held within [0, t_c].",))  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

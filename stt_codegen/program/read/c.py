@@ -174,7 +174,7 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
     code = re.sub(r"^#.*$", "", code, flags=re.M).replace(f"{prefix.upper()}_N", dimension.group(1))
     for part in c_parser.CParser().parse(known + code).ext:
         reader.part(part)
-    return Program(prefix, reader.dimension, kind, tuple(reader.tables), tuple(reader.kernels), tuple(reader.functions))
+    return Program(prefix, reader.dimension, kind, tuple(reader.tables), tuple(reader.kernels), functions=tuple(reader.functions))
 
 
 COUNTED = {"down": "ishr", "up": "ishl", "product": "product", "upper": "upper", "low": "low", "leading": "leading"}
@@ -459,7 +459,9 @@ class _Reader:
             self.kernels.append(Kernel(name, tuple(inputs), assigns, tuple(outputs), ()))
         else:
             status, real = [f"{self.prefix}_status"] == returned, [self.number_type] == returned
-            self.functions.append(Function(name, tuple(params), tuple(body), status, (), real, returned == ["bool"]))
+            self.functions.append(
+                Function(name, tuple(params), tuple(body), status, (), returns_real=real, returns_bool=returned == ["bool"])
+            )
 
     def length(self, node: Any) -> int:
         if isinstance(node, c_ast.BinaryOp) and node.op == "*":

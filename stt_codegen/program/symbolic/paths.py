@@ -49,14 +49,14 @@ def formulas_on(
 
 def follow_kernel(kernel: Kernel, numbers: Sequence[float]) -> tuple[bool, ...]:
     """The decisions that a kernel takes for these inputs, evaluated in doubles."""
-    walk = _Walk(Program("", 1, "double", (), (kernel,), ()), {}, None, frozenset())
+    walk = _Walk(Program("", 1, "double", (), (kernel,), functions=()), {}, None, frozenset())
     walk.kernel(kernel, numbers)
     return tuple(walk.decisions)
 
 
 def kernel_formulas(kernel: Kernel, symbols: Sequence[Value], decisions: Sequence[bool]) -> tuple[Value, ...]:
     """A kernel's outputs in symbols, on the path with these decisions."""
-    walk = _Walk(Program("", 1, "double", (), (kernel,), ()), {}, list(decisions), frozenset())
+    walk = _Walk(Program("", 1, "double", (), (kernel,), functions=()), {}, list(decisions), frozenset())
     return tuple(walk.kernel(kernel, symbols))
 
 
