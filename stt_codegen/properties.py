@@ -39,11 +39,11 @@ class Property(Enum):
         "raise tube.max_speed, tube.max_acceleration or prescribed_time",
     )  # fmt: skip
     ARITHMETIC = (
-        "P7", "arithmetic", "The emitted arithmetic moves no edge by more than the other properties have to spare.", LENGTH,
+        "P7", "arithmetic", "The emitted arithmetic moves no edge by more than the margins of the other properties.", LENGTH,
         "shift the origin near the task, or raise prescribed_time",
     )  # fmt: skip
     LIMITS = (
-        "P8", "limits", "An input within control.u_max outdoes all that [plant] allows to push.", RATE,
+        "P8", "limits", "An input within control.u_max outweighs all disturbances that [plant] allows.", RATE,
         "raise control.u_max or prescribed_time, or state a milder plant",
     )  # fmt: skip
     PERIOD = (

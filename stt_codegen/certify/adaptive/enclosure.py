@@ -39,7 +39,7 @@ from stt_codegen.constraints import (
 )
 from stt_codegen.controller import lines_program
 from stt_codegen.controller.kernels import alpha_cap
-from stt_codegen.decimals import above, by_component, decimal
+from stt_codegen.decimals import decimal
 from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign, parameters_of
 from stt_codegen.program import FORMATS, round_to
 from stt_codegen.program.analyse import Enclosure, Inexact, ball, hull, rounding_error
@@ -249,7 +249,7 @@ def _certificate(task: Task, design: AdaptiveDesign, exact: Enclosure, bounds: _
             finder.finding(stay_constraints(task), Property.STAY, "gamma within the state space"),
             finder.avoid(),
             finder.finding(reach_constraints(task), Property.REACH, "gamma(t_c) within the target set", cells=end),
-            _smooth_finding(task, speed),
+            finder.smooth(speed),
             Finding(Property.ARITHMETIC, _arithmetic_statement(task, steps), Fraction(0), Fraction(0)),
         ),
         edge_error=(bounds.error,) * task.dimension,
@@ -262,18 +262,6 @@ def _certificate(task: Task, design: AdaptiveDesign, exact: Enclosure, bounds: _
         method="enclosure",
         steps=(steps.shortest, steps.longest),
     )
-
-
-def _smooth_finding(task: Task, speed: tuple[Fraction, ...]) -> Finding:
-    """Return the finding of P6: the speed of the edges, within tube.max_speed where the task states it."""
-    fastest, limit = ", ".join(f"{above(v, 4):g}" for v in speed), task.max_speed
-    margin = Fraction(0) if limit is None else min(m - v for m, v in zip(limit, speed, strict=True))
-    advice = (
-        f"raise tube.max_speed to {by_component([above(v, 4) for v in speed])}, or use a refined tube: the "
-        "bound is not sharp here"
-    )
-    statement = f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}"
-    return Finding(Property.SMOOTH, statement, margin, Fraction(0), advice=advice)
 
 
 def _arithmetic_statement(task: Task, steps: Steps) -> str:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from stt_codegen.certify.adaptive.lines import HIGH, LOW
 from stt_codegen.certify.certificate import Finding
 from stt_codegen.constraints import Constraint, avoidances
-from stt_codegen.decimals import decimal
+from stt_codegen.decimals import above, by_component, decimal
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
@@ -86,6 +86,17 @@ class Finder:
             obstacle=name,
             advice=SETTINGS,
         )
+
+    def smooth(self, speed: Sequence[Fraction]) -> Finding:
+        """Return the finding of P6: the speed of the edges, by dimension, within tube.max_speed where the task states it."""
+        fastest, limit = ", ".join(f"{above(v, 4):g}" for v in speed), self.task.max_speed
+        margin = Fraction(0) if limit is None else min(m - v for m, v in zip(limit, speed, strict=True))
+        advice = (
+            f"raise tube.max_speed to {by_component([above(v, 4) for v in speed])}, or use a refined tube: the "
+            "bound is not sharp here"
+        )
+        statement = f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}"
+        return Finding(Property.SMOOTH, statement, margin, Fraction(0), advice=advice)
 
     def interval(self, cell: int) -> tuple[Fraction, Fraction]:
         """Return the begin and the end of a cell, in seconds; the last one stands for all times from t_c on."""
