@@ -4,10 +4,9 @@
     Kernel  = pure straight-line function of scalars; lowered from CasADi (convert/from_casadi.py) or written here
     Function = a public entry point: loads, loops over a constant count, calls of kernels, stores, a status
 
-targets/ has a folder for each language: its printer, its templates, its runner. read/ goes the other way and shows that the C is
-this Program. In analyse/: balls.py (every node, enclosed), rounding.py (one error bound for all inputs of a kernel), running.py
-(values and error bounds at many points), ranges.py, cost.py. In symbolic/: symbols.py and paths.py (SymPy). In convert/: CasADi.
-A new operation is one row of operations.py. What is proved and counted is what is shipped.
+targets/ has a folder for each language: printer, templates, runner. read/ reads the C back and shows that it is this Program.
+analyse/ has enclosures, rounding errors, ranges and costs, symbolic/ SymPy, convert/ CasADi. Proofs and costs are of this Program,
+which is what is printed. A new operation is one row of operations.py.
 """
 
 from __future__ import annotations

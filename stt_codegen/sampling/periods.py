@@ -100,7 +100,7 @@ def _inputs_above(kind: str, loop: SampledLoop, eps_bound: Array) -> Array:
     loses digits there.
     """
     inputs = np.asarray(SAMPLING_CONDITIONS[kind].inputs(in_balls(loop), _as_balls(kind, eps_bound)), dtype=object)
-    return np.vectorize(lambda u: math.nextafter(float(arb(u).abs_upper()), math.inf), otypes=[float])(inputs)
+    return np.asarray(np.vectorize(lambda u: math.nextafter(float(arb(u).abs_upper()), math.inf), otypes=[float])(inputs))
 
 
 def is_in_range(kind: str, loop: SampledLoop, eps_bound: Array, tau: Any) -> bool:
