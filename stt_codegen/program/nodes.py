@@ -5,7 +5,7 @@
     Function = a public entry point: loads, loops over a constant count, calls of kernels, stores, a status
 
 targets/ has a folder for each language: printer, templates, runner. read/ reads the C back and shows that it is this Program.
-analyse/ has enclosures, rounding errors, ranges and costs, symbolic/ SymPy, convert/ CasADi. Proofs and costs are of this Program,
+analyse/ has enclosures, rounding errors, ranges, costs; symbolic/ SymPy; convert/ CasADi. Proofs and costs are of this Program,
 which is what is printed. A new operation is one row of operations.py.
 """
 
