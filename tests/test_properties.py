@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
 
@@ -16,7 +17,7 @@ from tests.support.controllers import ROOT
 PACKAGE = ROOT / "stt_codegen"
 SPELLED = ("properties.py", "certify/checker.py")  # the enum, and the stand-alone checker, which imports nothing of the package
 PROSE = "lemmas/"  # statements of the lemma book, whose bytes are emitted
-CODE = re.compile(r"\bP(10|[1-9])\b")
+CODE = re.compile(r"(?<![A-Za-z0-9])P(10|[1-9])(?![A-Za-z0-9])")  # an underscore beside it hides nothing
 ALONE = re.compile(rf"^{CODE.pattern}$")
 
 
@@ -33,7 +34,18 @@ def strings(text: str) -> Iterator[tuple[int, str]]:
 def spelled_codes(path: str, text: str) -> list[str]:
     """Where a source spells a code: as a string of its own, or, where it is no prose of the lemma book, within one."""
     pattern = ALONE if path.startswith(PROSE) else CODE
-    return [f"{path}, line {line}: {value}" for line, value in strings(text) if pattern.search(value)]
+    spelled = [f"{path}, line {line}: {value}" for line, value in strings(text) if pattern.search(value)]
+    return spelled + [f"{path}, line {line}: P and a number put together" for line in composed_codes(text)]
+
+
+def composed_codes(text: str) -> Iterator[int]:
+    """Yield lines of f-strings that put a value right behind the letter P."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.JoinedStr):
+            for before, after in pairwise(node.values):
+                letter = isinstance(before, ast.Constant) and re.search(r"(?<![A-Za-z0-9])P$", str(before.value))
+                if letter and isinstance(after, ast.FormattedValue):
+                    yield node.lineno
 
 
 def test_no_source_spells_a_code() -> None:
@@ -50,6 +62,9 @@ def test_no_source_spells_a_code() -> None:
         ("lemmas/tube.py", 'Lemma("a", "The rows of P8 are these.")', 0),
         ("lemmas/tube.py", '{"P8": 1}', 1),
         ("report/page.py", '"P11" + "PWM" + "P1x"', 0),
+        ("report/page.py", 'f"P{9}"', 1),
+        ("report/page.py", '"P9_x"', 1),
+        ("report/page.py", 'f"STEP{9} MP{n}"', 0),
     ],
 )
 def test_a_spelled_code_is_named(path: str, text: str, count: int) -> None:

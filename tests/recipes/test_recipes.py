@@ -5,11 +5,13 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from stt_codegen.program.targets.c.runner import STRICT
 from tests.support.controllers import ROOT
 from tests.support.recipes import (
     PAGE,
@@ -184,7 +186,70 @@ BOARD = Sample(
         "docs/board.md": [("| rv32 | RISC-V", "| m4 | Cortex-M4, no FPU | qemu-system-arm | |\n| rv32 | RISC-V")],
     },
 )
-SAMPLES = {sample.title: sample for sample in (SET, OPERATION, LANGUAGE, COMMAND, BOARD)}
+KIND = Sample(
+    "A kind of tube",
+    files="kind",
+    edits={
+        "stt_codegen/design_kinds.py": [
+            ('Literal["refined", "adaptive", "literal"]', 'Literal["refined", "adaptive", "literal", "plain"]'),
+            ('    "adaptive": Capabilities(', '    "plain": Capabilities(avoids_any_shape=True),\n    "adaptive": Capabilities('),
+        ],
+        "stt_codegen/designs/__init__.py": [
+            (
+                "from stt_codegen.designs.refined import",
+                "from stt_codegen.designs.plain import PlainDesign\nfrom stt_codegen.designs.refined import",
+            ),
+            ('    "RefinedDesign",\n', '    "PlainDesign",\n    "RefinedDesign",\n'),
+        ],
+        "stt_codegen/pipeline.py": [
+            ("import AdaptiveDesign, Design, RefinedDesign,", "import AdaptiveDesign, Design, PlainDesign, RefinedDesign,"),
+            (
+                "def _design_adaptive(",
+                """def _design_plain(task: Task) -> Design:
+    from stt_codegen.design import refine
+
+    return PlainDesign.of(refine(task))
+
+
+def _design_adaptive(""",
+            ),
+            (
+                '    "adaptive": Stages(',
+                """    "plain": Stages(
+        _design_plain,
+        for_any_design(PlainDesign, _refined_program),
+        for_any_design(PlainDesign, _certify_refined),
+    ),
+    "adaptive": Stages(""",
+            ),
+        ],
+        "stt_codegen/compare/comparison.py": [
+            (
+                '    "adaptive": _OF_ADAPTIVE,',
+                """    "plain": _KindComparison(
+        for_any_design(RefinedDesign, CasadiRefined), for_any_design(RefinedDesign, _rows_of_refined)
+    ),
+    "adaptive": _OF_ADAPTIVE,""",
+            )
+        ],
+        "stt_codegen/emit/document.py": [
+            (
+                '    "adaptive": for_any_design(',
+                '    "plain": for_any_design(RefinedDesign, _exact),\n    "adaptive": for_any_design(',
+            )
+        ],
+        "stt_codegen/lemmas/emitted/functions.py": [('{"refined": SPLINE, ', '{"refined": SPLINE, "plain": SPLINE, ')],
+        "stt_codegen/report/analysis.py": [
+            (
+                '    "adaptive": for_any_design(',
+                '    "plain": for_any_design(RefinedDesign, _read_splines),\n    "adaptive": for_any_design(',
+            )
+        ],
+        "benchmarks/suites/printed.py": [('"refined": "ours"', '"refined": "ours", "plain": "a sample"')],
+        "docs/task.md": [('Designs: `"refined"` (certified);', 'Designs: `"refined"` and `"plain"` (certified);')],
+    },
+)
+SAMPLES = {sample.title: sample for sample in (SET, OPERATION, LANGUAGE, COMMAND, BOARD, KIND)}
 
 
 @pytest.fixture(scope="module")
@@ -345,3 +410,32 @@ def test_a_board_runs_the_c_and_is_counted(made, tool) -> None:
     assert document["calls"]["control"]["most"] > 500  # without an FPU
     assert "m4" in in_copy(copy, "mcu", "--help", module="benchmarks").stdout
     assert "m4," in in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m5").stderr
+
+
+def test_a_kind_of_tube_is_designed_compiled_and_compared(made, tmp_path: Path, tool) -> None:
+    """A spline that offers shapes alone: nothing in its C, its package or its comparison rests on what it does not offer."""
+    tool("gcc")
+    copy = made("A kind of tube")
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text()
+    (tmp_path / "omni_s2.toml").write_text(text.replace("[tube]\n", '[tube]\ndesign = "plain"\n'))
+    for folder, options in (("c", ()), ("sketch", ("--package", "arduino"))):
+        arguments = (str(tmp_path / "omni_s2.toml"), "--out", str(tmp_path / folder), *options)
+        written = in_copy(copy, "generate", *arguments)
+        assert written.returncode == 0, written.stderr
+    assert "covered(" not in "".join(
+        path.read_text() for path in tmp_path.rglob("*.[chi]*") if path.suffix in (".c", ".h", ".ino")
+    )
+    command = ["gcc", *STRICT, "-c", str(tmp_path / "c" / "omni_s2.c"), "-o", str(tmp_path / "omni_s2.o")]
+    compiled = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert compiled.returncode == 0, compiled.stderr
+    compared = in_copy(copy, "compare", str(tmp_path / "omni_s2.toml"), "--points", "200")
+    assert compared.returncode == 0, compared.stdout + compared.stderr
+    pytest_in_copy(copy, "tests/test_designs_protocol.py", "-k", "table or answers or another_class or list_says or asked_for")
+
+
+@pytest.mark.parametrize("path", ["stt_codegen/emit/document.py", "benchmarks/suites/printed.py"])
+def test_a_table_that_a_kind_is_left_out_of_is_noticed(path: str, tmp_path: Path) -> None:
+    copy = copy_of_the_repository(tmp_path)
+    follow(replace(KIND, edits={name: edits for name, edits in KIND.edits.items() if name != path}), copy)
+    with pytest.raises(AssertionError, match="has no plain"):
+        pytest_in_copy(copy, "tests/test_designs_protocol.py", "-k", "every_kind_has_an_entry")
