@@ -63,7 +63,7 @@ def test_no_source_spells_a_code() -> None:
         ("lemmas/tube.py", '{"P8": 1}', 1),
         ("report/page.py", '"P11" + "PWM" + "P1x"', 0),
         ("report/page.py", 'f"P{9}"', 1),
-        ("report/page.py", '"P9_x"', 1),
+        ("report/page.py", 'name = "P9_x"', 1),
         ("report/page.py", 'f"STEP{9} MP{n}"', 0),
     ],
 )
