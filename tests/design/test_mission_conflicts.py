@@ -20,8 +20,8 @@ from stt_codegen.design.missions.plans import Plan, choose_knots
 from stt_codegen.design.missions.skeleton import END, START, Skeleton, TimeBound, tightest_bounds
 from stt_codegen.design.missions.spacetime_plans import route_with_events
 from stt_codegen.design.missions.state_constraints import mission_of
-from stt_codegen.design.refine import _arena
-from stt_codegen.design.spacetime.search import QUICKEST
+from stt_codegen.design.refine import _normalised_arena
+from stt_codegen.design.spacetime.search import USUAL_PACE
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import design_tube
 from stt_codegen.task.load import parse_task
@@ -112,7 +112,7 @@ def test_a_way_among_sets_that_move_has_its_events_in_order_place_and_time() -> 
 def judged_way(seed: int) -> bool:
     """Whether a way is found for a random mission; then all that must hold of it does."""
     task = parse_task(moving_mission(seed, 2, 8))
-    arena = _arena(task)
+    arena = _normalised_arena(task)
     mission = mission_of(task, arena)
     search = search_of(arena, starting_box(arena), (64,), mission)
     assert isinstance(search, MissionSearch)
@@ -125,7 +125,7 @@ def judged_way(seed: int) -> bool:
     assert knots == sorted(knots)
     assert (knots[0], knots[-1]) == (0, 64)
     cell = (arena.space[1] - arena.space[0] - width) / 100
-    assert (np.abs(np.diff(way[1:], axis=0)) <= (QUICKEST + 1e-6) * cell).all()
+    assert (np.abs(np.diff(way[1:], axis=0)) <= (USUAL_PACE + 1e-6) * cell).all()
     at = {START: 0, **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
     for d in plan.skeleton.time_bounds:
         assert d.minimum * 64 - 1e-6 <= at[d.last] - at[d.first] <= d.maximum * 64 + 1e-6

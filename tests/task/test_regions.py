@@ -190,7 +190,7 @@ def test_the_box_for_a_routes_end_lies_in_the_target_and_is_the_largest_of_its_p
     goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
     box = inner_box(arena, goal, inset)
     assert box is not None
-    for cuts in (arena.walls, arena.goals):  # every box of the half widths about a corner of it is behind every cut
+    for cuts in (arena.space_cuts, arena.target_cuts):  # every box of the half widths about a corner of it is behind every cut
         for corner in itertools.product(*box.T.tolist()):
             room = cuts.normal @ np.array(corner) - np.abs(cuts.normal) @ inset - cuts.bound
             assert room.min() >= -1e-9  # ten times what the solver keeps rows to, at the least
@@ -199,7 +199,7 @@ def test_the_box_for_a_routes_end_lies_in_the_target_and_is_the_largest_of_its_p
     half = (goal[1] - goal[0]) / 2
     rows, ends = [], []
     for normal, bound in zip(
-        *(np.concatenate([getattr(c, f) for c in (arena.walls, arena.goals)]) for f in ("normal", "bound")), strict=True
+        *(np.concatenate([getattr(c, f) for c in (arena.space_cuts, arena.target_cuts)]) for f in ("normal", "bound")), strict=True
     ):
         rows.append([*-normal, float(np.abs(normal) @ half)])
         ends.append(-bound - float(np.abs(normal) @ inset))
@@ -252,7 +252,7 @@ def test_half_spaces_along_axes_are_edges() -> None:
         )
     )
     arena = arena_of(plain)
-    assert arena.walls.bound.size == 0
+    assert arena.space_cuts.bound.size == 0
     assert arena.space[:, 1] + float(arena.origin[1]) == pytest.approx([0.1, 4.9], abs=1e-4)
     assert plain.space_cuts == (((0, 1, 0), Fraction("4.9")), ((0, -1, 0), Fraction("-0.1")))
 
