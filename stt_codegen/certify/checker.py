@@ -1920,6 +1920,9 @@ class Integers(Source):
             name = re.findall(r"P_(\w+)\(", head)[0]
             self.listings[name], self.params[name] = steps(text), re.findall(r"int32_t (\w+)[,)]", head)
             spelled = " ".join(written(self.listings[name], task.n, self.reads))
+            external = {f"{p}_{w}" for w in [*self.names, *re.findall(r"\bP_(\w+)", f"{COUNTED} {head} {spelled}")]}
+            hidden = external & {*re.findall(r"\??\w+", f"{head} {spelled}")}
+            need(not hidden or p == "P", f"the C has the local {min(hidden, default='')}, which hides what has the same name")
             wanted += tokens(self.named(re.sub(r"\?(?=\w)", "__", f"{head} {{ {spelled} }}")))
             self.heads += [] if head.startswith("static") else [f"{head};"]
         for a, b in zip([*words[at:], "the end"], [*wanted, "the end"]):

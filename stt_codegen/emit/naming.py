@@ -6,8 +6,10 @@ so that a new kernel or function cannot collide with another name of the same fi
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 
+from stt_codegen.errors import BadInput
 from stt_codegen.program import Assign, Call, For, Program, Return, Statement
 from stt_codegen.program.targets import TARGETS
 
@@ -49,7 +51,11 @@ def spelled_name(prefix: str) -> str:
 
 
 def check_names(program: Program) -> None:
-    """Raise ValueError when two externals collide, a local is assigned twice, or a name is taken in a target language."""
+    """Refuse names that collide.
+
+    Raises ValueError when two externals collide, a local is assigned twice, or a name is taken in a target language. Raises
+    `BadInput` where an external name, which begins with the task's, is also that of a local, which would hide it.
+    """
     external = [t.name for t in program.tables] + [k.name for k in program.kernels] + [f.name for f in program.functions]
     external += ["real", "status", "selftest", "guard", "phase", "wrap", "wrap_tick", "unwrap", "exponent", "mantissa"]
     _unique(external, "the file")
@@ -57,6 +63,30 @@ def check_names(program: Program) -> None:
         _unique([v.name for v in kernel.inputs] + [a.var.name for a in kernel.body], kernel.name)
     for function in program.functions:
         _unique([p.name for p in function.params] + list(_assigned(function.body)), function.name)
+    hidden = {f"{program.prefix}_{name}" for name in external} | _helper_names(program)
+    local = next((name for name in _locals(program) if name in hidden), None)
+    if local is not None:
+        raise BadInput(
+            f"name: with {program.prefix!r} the emitted files would have {local!r} twice, as a local variable and as a name that "
+            "begins with the task's; choose another"
+        )
+
+
+def _helper_names(program: Program) -> set[str]:
+    """Return the names with the task's prefix of the helper functions that printers add."""
+    printable = (target for target in TARGETS if target.integers or program.scalar != "fixed")
+    text = "\n".join(str(target.printer(program).helpers()) for target in printable)
+    return set(re.findall(rf"\b{re.escape(program.prefix)}_\w+", text))
+
+
+def _locals(program: Program) -> Iterator[str]:
+    """Yield the names of all parameters and local variables of a program."""
+    for kernel in program.kernels:
+        yield from (v.name for v in kernel.inputs)
+        yield from (a.var.name for a in kernel.body)
+    for function in program.functions:
+        yield from (p.name for p in function.params)
+        yield from _assigned(function.body)
 
 
 def _assigned(body: Iterable[Statement]) -> Iterator[str]:

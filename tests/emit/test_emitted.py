@@ -8,6 +8,7 @@ import math
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -16,8 +17,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from stt_codegen.certify import checker
 from stt_codegen.designs.tube import MINIMUM_WIDTH
-from stt_codegen.emit.naming import check_names
+from stt_codegen.emit.naming import _locals, check_names
+from stt_codegen.emit.render import render
+from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController, build_program, build_task
 from stt_codegen.program.nodes import Assign, Kernel, Op, Program, Var
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC
@@ -178,6 +182,44 @@ def test_names_that_collide_are_found() -> None:
                 Program(program.prefix, 2, "float", program.tables, (*program.kernels, kernel), functions=program.functions)
             )
     check_names(program)
+
+
+def prefixes_of_locals(program: Program) -> list[str]:
+    """Every beginning of a local's name before an underscore."""
+    return sorted({name[: at.start()] for name in _locals(program) for at in re.finditer("_", name) if at.start()})
+
+
+@pytest.mark.parametrize(("name", "scalar"), [("crane", "fixed"), ("drone", "float"), ("omni_s1", "adaptive")])
+def test_a_task_with_a_locals_name_compiles_or_is_refused(name: str, scalar: str, tool, tmp_path: Path) -> None:
+    """A local that is named as a function or a table would hide it."""
+    controller = controller_of(name, "float", "adaptive") if scalar == "adaptive" else controller_of(name, scalar)
+    task, program, sources, refused = controller.task, controller.program, [], []
+    for prefix in prefixes_of_locals(program):
+        try:
+            renamed = task.model_copy(update={"name": prefix}), controller.design, replace(program, prefix=prefix)
+            files = render(*renamed, controller.certificate)
+        except BadInput as refusal:
+            assert str(refusal).startswith(f"name: with {prefix!r} the emitted files would have '{prefix}_")
+            refused.append(prefix)
+            continue
+        for file in (f"{prefix}.c", f"{prefix}.h"):
+            (tmp_path / file).write_bytes(files[file])
+        sources.append(str(tmp_path / f"{prefix}.c"))
+    subprocess.run([tool("gcc"), *STRICT, "-fsyntax-only", *sources], check=True)
+    assert len(sources) > 10
+    if scalar == "fixed":
+        assert {"upper", "lower", "rise"} <= set(refused)
+
+
+@pytest.mark.parametrize("prefix", ["upper", "lower", "rise"])
+def test_the_checker_refuses_a_local_that_hides_a_name(prefix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules[render.__module__], "check_names", lambda _: None)
+    text = (ROOT / "tasks" / "gantry.toml").read_text().replace('name = "gantry"', f'name = "{prefix}"')
+    (tmp_path / "task.toml").write_text(text)
+    controller = build_task(load_task(tmp_path / "task.toml"), tube=controller_of("gantry", "fixed").design)
+    write(tmp_path, controller)
+    paths = [str(tmp_path / name) for name in ("task.toml", f"{prefix}.c", f"{prefix}.certificate.json")]
+    assert checker.main(paths) == 1
 
 
 # -------------------------------------------------------------------------------------------- the behaviour
