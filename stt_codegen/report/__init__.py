@@ -2,11 +2,10 @@
 
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import BoundsReport, Sampling, above_float, below_float
-from stt_codegen.report.design_figures import DesignReport, design_report, input_report
+from stt_codegen.report.figures import DesignReport, TradeReport, design_report, input_report, trade_report
 from stt_codegen.report.notes import task_notes
 from stt_codegen.report.outlines import Plane, outline
 from stt_codegen.report.sentences import few, sampling_lines, time_told
-from stt_codegen.report.trade import TradeReport, trade_report
 
 __all__ = [
     "Analysis",

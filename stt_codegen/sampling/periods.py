@@ -6,6 +6,8 @@ once more in fractions; lemmas/sampling/ has the mathematics.
 In the sharp conditions every component has an E of its own. The effect of an input on the other components rises with its E, and
 so does the E that they need. For one tau there is therefore a smallest E in all components at once: each starts from its own
 smallest and is raised until its own conditions hold. Where a component has no such E, there is none at all.
+
+Long because a period is sought in doubles and proved in balls and in fractions.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from stt_codegen.design.spline_tubes.dimension_programs import PACE_TOLERANCE
 from stt_codegen.design.spline_tubes.slowest_tube import smoothest_tube
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import EmittedController, build_task
-from stt_codegen.report.trade import trade_report
+from stt_codegen.report.figures.trade import trade_report
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
 from tests.support.controllers import ROOT, built

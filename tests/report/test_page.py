@@ -17,7 +17,7 @@ import pytest
 from stt_codegen.cli.design_commands.report import report
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build
-from stt_codegen.report.design_figures import design_report
+from stt_codegen.report.figures.design_figures import design_report
 from stt_codegen.report.page.bill_of_materials import bill
 from stt_codegen.report.page.evidence import evidence
 from stt_codegen.report.page.misra import DEVIATIONS

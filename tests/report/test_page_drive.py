@@ -21,7 +21,7 @@ from stt_codegen.emit.driven import adapter_source, driven_sources
 from stt_codegen.loop.simulate import Loop, Scenario
 from stt_codegen.pipeline import build
 from stt_codegen.plants import plant_of
-from stt_codegen.report.design_figures import design_report
+from stt_codegen.report.figures.design_figures import design_report
 from stt_codegen.report.page.drive import driven, plant_driven, shipped
 from stt_codegen.report.page.evidence import evidence
 from stt_codegen.report.page.page import page

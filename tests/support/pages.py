@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from stt_codegen.pipeline import EmittedController
-from stt_codegen.report.design_figures import design_report
+from stt_codegen.report.figures.design_figures import design_report
 from stt_codegen.report.page.evidence import Evidence, evidence
 from stt_codegen.report.page.page import page
 from stt_codegen.task import load_task, parse_task

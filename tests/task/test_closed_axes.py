@@ -35,7 +35,7 @@ from stt_codegen.plants import plant_of
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.record.package import package
 from stt_codegen.report.closed_axis_notes import turn_notes
-from stt_codegen.report.design_figures import design_report
+from stt_codegen.report.figures.design_figures import design_report
 from stt_codegen.task import closed_axes as turns
 from stt_codegen.task import task as task_module
 from stt_codegen.task.closed_axes import TWO_PI, drift_of

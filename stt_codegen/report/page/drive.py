@@ -25,7 +25,7 @@ from stt_codegen.pipeline import build_program as program_of
 from stt_codegen.plants import Model, Plant
 from stt_codegen.program.targets.template_files import template_folder
 from stt_codegen.report.bounds import ProvedPeriod, Sampling
-from stt_codegen.report.design_figures import clamp_input
+from stt_codegen.report.figures import clamp_input
 from stt_codegen.task import Task
 
 CFLAGS = (

@@ -21,7 +21,7 @@ from stt_codegen.plants import Model
 from stt_codegen.program.targets.template_files import template, template_folder
 from stt_codegen.properties import Property
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.design_figures import DesignReport
+from stt_codegen.report.figures import DesignReport
 from stt_codegen.report.page.bill_of_materials import bill, library_calls
 from stt_codegen.report.page.drive import Driven, driven, plant_driven, setting
 from stt_codegen.report.page.evidence import Evidence, measured

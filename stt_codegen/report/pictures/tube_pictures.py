@@ -20,10 +20,10 @@ from stt_codegen.constraints import avoidances
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.clearances import bands, distance
+from stt_codegen.report.figures import TradeReport
 from stt_codegen.report.outlines import Plane, hull_of, target_outline, walls
 from stt_codegen.report.pictures.drawing import COLOURS, LABEL, frame, label, named, patch
 from stt_codegen.report.pictures.motion_pictures import draw_faint, draw_times, moves
-from stt_codegen.report.trade import TradeReport
 from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet, Unsafe
 
