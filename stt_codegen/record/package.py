@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -33,12 +33,23 @@ CMAKE_TARGETS = frozenset(  # what no library may be called (CMake, policy CMP00
     "all help clean edit_cache rebuild_cache install preinstall test package package_source "
     "ALL_BUILD ZERO_CHECK INSTALL RUN_TESTS PACKAGE".split()
 )
+ARDUINO_HEADERS = frozenset("arduino avr binary client hid ipaddress print printable server spi stream udp wire wiring".split())
+# By kind of package: which names of tasks its tools cannot take, and what these are, as the end of a sentence.
+RESERVED_NAMES: Mapping[str, tuple[Callable[[str], bool], str]] = {
+    "cmake": (lambda name: name in CMAKE_TARGETS, "a target of CMake's own"),
+    "arduino": (lambda name: name.lower() in ARDUINO_HEADERS, "a header of Arduino's own"),
+    "platformio": (lambda name: name.lower() in ARDUINO_HEADERS, "a header of Arduino's own"),
+    "ros2": (lambda name: "__" in f"{name}_", "no name of a ROS package, which has no two underscores in a row"),
+}
 NO_INTEGERS = "takes and gives real numbers, and this controller has none; use --scalar float"
 
 
 def package(controller: EmittedController, kind: str, plant: Model | None = None) -> Files:
     """The files by path. kind: of `KINDS`; plant: for `fmu` alone, of which units are made too. Raises `BadInput` for what a kind
     cannot have, `MissingTool` without what it takes."""
+    is_reserved, what = RESERVED_NAMES.get(kind, (lambda _: False, ""))
+    if is_reserved(controller.task.name):
+        raise BadInput(f"name: {controller.task.name!r} is {what}; choose another name, or another --package")
     if kind == "fmu":
         if controller.program.tick is not None:
             raise BadInput(f"--package fmu: {NO_INTEGERS}")
@@ -55,8 +66,6 @@ def package(controller: EmittedController, kind: str, plant: Model | None = None
 def _library(kind: str, controller: EmittedController) -> Files:
     """In a folder <p>/: sources in src/, the certificate and the Python in extras/, and what the build system reads."""
     prefix = controller.task.name
-    if kind == "cmake" and prefix in CMAKE_TARGETS:
-        raise BadInput(f"name: {prefix!r} is a target of CMake's own; choose another name, or another --package")
     header, source, module, proof = file_names(prefix)
     inline, integers = controller.task.emit.math == "inline", controller.program.tick is not None
     sketch = "sketch_fixed.ino" if integers else "sketch.ino"

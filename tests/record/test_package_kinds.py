@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import configparser
+import dataclasses
 import json
 import subprocess
 from functools import cache
@@ -188,6 +189,28 @@ def test_a_name_that_cmake_has_itself_is_refused(name: str) -> None:
     with pytest.raises(BadInput, match=f"name: '{name}' is a target of CMake's own"):
         package(controller, "cmake")
     assert package(controller, "plain")
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "what"),
+    [
+        ("Arduino", "arduino", "a header of Arduino's own"),
+        ("wire", "platformio", "a header of Arduino's own"),
+        ("left__arm", "ros2", "no two underscores in a row"),
+        ("arm_", "ros2", "no two underscores in a row"),
+    ],
+)
+def test_a_name_that_a_kind_of_package_cannot_have_is_refused(name: str, kind: str, what: str) -> None:
+    controller = made("refined")
+    renamed = dataclasses.replace(controller, task=controller.task.model_copy(update={"name": name}))
+    with pytest.raises(BadInput, match=f"^name: '{name}' is .*{what}"):
+        package(renamed, kind)
+
+
+@pytest.mark.parametrize("name", ["token", "features", "Statistics", "limits"])
+def test_a_name_that_would_shadow_a_file_of_a_library_is_refused(name: str) -> None:
+    with pytest.raises(BadInput, match=f"^name: '{name}' would shadow a part of the standard library"):
+        load_task(ROOT / "tasks" / "omni_s2.toml").changed(name=name)
 
 
 def test_a_plant_is_for_units_alone() -> None:

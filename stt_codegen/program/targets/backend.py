@@ -23,7 +23,7 @@ class Backend(ABC):
 
     @abstractmethod
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
-        """Return the results of a public function at every point: its status or value, if it has one, then its outputs in order."""
+        """Return what a public function gives at every point: its status or value if it has one, then its outputs."""
 
     def check_shapes(self, params: Sequence[Param], inputs: Sequence[Array]) -> None:
         """Raises ValueError where an argument is not of shape (P,) or (P, length), P that of the first."""

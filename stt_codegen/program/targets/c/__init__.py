@@ -26,9 +26,10 @@ CPP_WORDS = frozenset(
     typename union unsigned using virtual void volatile wchar_t while xor xor_eq final override import module""".split()
 )
 
-# A name that <name>.h must not have, or it shadows a header of the C library.
+# A name that <name>.h must not have, or it shadows a header of the C library, or one that these include in turn.
 HEADERS = frozenset(
-    """assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg
+    """features alloca endian alltypes reent newlib
+    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg
     stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype unistd""".split()
 )
 MATH_WORDS = frozenset("j0 j1 jn y0 y1 yn gamma lgamma signgam isfinite NAN INFINITY".split())

@@ -1,6 +1,7 @@
 """Python: one module in double arithmetic on the emitted constants, with `math` and nothing else."""
 
 import keyword
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -9,11 +10,8 @@ from stt_codegen.program.targets.target import Emitted, TargetLanguage
 
 __all__ = ["TARGET", "PythonPrinter", "runner"]
 
-# Modules that <name>.py must not shadow, because it or its user imports them early.
-MODULES = frozenset(
-    """sys os io re abc codecs encodings site types builtins collections functools operator random struct
-    typing enum json numpy""".split()
-)
+# Modules that <name>.py must not shadow: the interpreter puts the folder of a script ahead of its own library.
+MODULES = frozenset({name.lower() for name in sys.stdlib_module_names} | {"numpy"})
 
 
 def _runner() -> Callable[[Emitted], Any]:
