@@ -1,8 +1,7 @@
-"""Plants xdot = f(x) + g(x) u + w, or of order 2: what the controller does not know, for the statements about effort and sampling
-and for simulation.
+"""Plants xdot = f(x) + g(x) u + w, or of order 2, unknown to the controller: for bounds on u, for sampling and simulation.
 
-A plant of your own is a Python file with `f(x)` and `g(x)`, CasADi expressions of a column x (lists of entries and of rows
-will do), and, where you know one, `w_max`, a bound on the norm of w:
+You write a plant as a Python file with `f(x)` and `g(x)`, CasADi expressions of a column x (or lists of entries and of rows), and
+`w_max`, a bound on the norm of w, if there is one:
 
     import casadi as ca
 
@@ -14,16 +13,16 @@ will do), and, where you know one, `w_max`, a bound on the norm of w:
 
     w_max = 0.1
 
-For a plant of order 2, xdot = v, vdot = f(x, v) + g(x, v) u + w, both take x and v. A file may say besides
+For a plant of order 2, xdot = v, vdot = f(x, v) + g(x, v) u + w, both take x and v. A file may also state
 
-    p = [(0, 0.3)]      # constants that nobody knows, each from .. to: f(x, p), g(x, p), or f(x, v, p), g(x, v, p)
+    p = [(0, 0.3)]      # unknown constants, each from .. to: f(x, p), g(x, p), or f(x, v, p), g(x, v, p)
 
-    def mix(x):         # what the board makes of u at the sample, held with it: the plant's input is mix(x of the sample) u
+    def mix(x):         # the board multiplies u by it at the sample: the plant's input is mix(x of the sample) u, held
         return [[1, 0], [0, 1 + 0.5 * ca.cos(x[1])]]
 
-A bound over a box then holds for all constants within their ranges, and for every sample as old as it may get.
+A bound over a box then holds for all constants within their ranges, and for samples of every possible age.
 
-CasADi is imported only where a plant is evaluated. Long because whatever a plant's file may get wrong is refused here.
+CasADi is imported only where a plant is evaluated. Long because every error of a plant's file is refused here.
 """
 
 from __future__ import annotations
@@ -44,9 +43,12 @@ from stt_codegen.errors import BadInput
 
 
 class Model(Protocol):
-    """What a plant must have. f, g: CasADi expressions of the column x, for order 2 of x and v, shapes (n,) and (n, n); w_max: a
-    bound on |w|, in units per second, for order 2 per second squared; dimension, order: None where any will do; constants: ranges
-    of what f and g take last, where there are any; mixing: (n, n) of x of the sample, which u is multiplied by."""
+    """The interface of a plant.
+
+    f, g: CasADi expressions of the column x, for order 2 of x and v, shapes (n,) and (n, n). w_max: a bound on |w|, in units per
+    second, for order 2 per second squared. dimension, order: None where every one is possible. constants: ranges of the last
+    argument of f and g, if they have one. mixing: an (n, n) matrix of the sample's x, by which u is multiplied.
+    """
 
     @property
     def name(self) -> str: ...
@@ -118,14 +120,14 @@ def _torques(_x: Any) -> Any:
 
 
 def _droop(x: Any) -> Any:
-    """What gravity takes from a velocity servo of a planar arm of two equal links, rad/s."""
+    """f of a velocity servo of a planar arm of two equal links: the effect of gravity, rad/s."""
     import casadi as ca
 
     return [-0.10 * ca.cos(x[0]) - 0.05 * ca.cos(x[0] + x[1]), -0.05 * ca.cos(x[0] + x[1])]
 
 
 def _servo(x: Any) -> Any:
-    """Gains that nobody told the controller: they change with the elbow, and each joint drags the other a little."""
+    """g of the arm, unknown to the controller: gains change with the elbow, and each joint drags the other a little."""
     import casadi as ca
 
     drag = 0.15 * ca.cos(x[1])
@@ -151,30 +153,31 @@ PLANTS = {
 
 
 def plant_of(name: str, dimension: int, order: int = 1) -> Model:
-    """A built-in plant, or the one in a Python file. Raises `BadInput` when there is none or its dimension is another."""
-    plant = _from_file(Path(name)) if name.endswith(".py") else PLANTS.get(name)
+    """Return a built-in plant, or the one in a Python file. Raises `BadInput` where it does not exist or fit the task."""
+    plant = _plant_in_file(Path(name)) if name.endswith(".py") else PLANTS.get(name)
+    functions = "f(x, v) and g(x, v)" if order == 2 else "f(x) and g(x)"
     if plant is None:
-        told = "f(x, v) and g(x, v)" if order == 2 else "f(x) and g(x)"
-        raise BadInput(f"--plant {name}: is none of {', '.join(PLANTS)}, nor a Python file with {told}")
+        raise BadInput(f"--plant {name}: is none of {', '.join(PLANTS)}, nor a Python file with {functions}")
     if plant.order not in (None, order):
-        told = "f(x, v) and g(x, v)" if order == 2 else "f(x) and g(x)"
-        raise BadInput(f"--plant {name}: is of order {plant.order}, the task of order {order}; give {told}, or use integrator")
+        orders = f"is of order {plant.order}, the task of order {order}"
+        raise BadInput(f"--plant {name}: {orders}; give {functions}, or use integrator")
     if plant.dimension not in (None, dimension):
         fitting = [p.name for p in PLANTS.values() if p.dimension in (None, dimension) and p.order in (None, order)]
         raise BadInput(f"--plant {name}: has {plant.dimension} dimensions, the task has {dimension}; use {', '.join(fitting)}")
-    model(plant, dimension, order)  # what is wrong with it shows here
+    model(plant, dimension, order)  # it refuses wrong shapes and functions
     return plant
 
 
-def _from_file(path: Path) -> Plant:
+def _plant_in_file(path: Path) -> Plant:
+    """Run a plant's file and return its plant. Raises `BadInput` for what is missing or of the wrong type."""
     try:
-        with contextlib.redirect_stdout(sys.stderr):  # what it prints is no result of ours
+        with contextlib.redirect_stdout(sys.stderr):  # its output must not mix with results
             names = runpy.run_path(str(path))
     except (Exception, SystemExit) as error:  # the user's own code may raise anything
         raise BadInput(f"--plant {path}: cannot be run ({type(error).__name__}: {error})") from None
-    for wanted in ("f", "g"):
-        if not callable(names.get(wanted)):
-            raise BadInput(f"--plant {path}: has no function {wanted}(x); see `stt_codegen/plants.py` for an example")
+    for function in ("f", "g"):
+        if not callable(names.get(function)):
+            raise BadInput(f"--plant {path}: has no function {function}(x); see `stt_codegen/plants.py` for an example")
     try:
         w_max = Fraction(str(names.get("w_max", 0)))
         float(w_max)
@@ -201,23 +204,23 @@ def _from_file(path: Path) -> Plant:
     )
 
 
-def _constants(path: Path, given: Any) -> tuple[tuple[float, float], ...]:
-    """The ranges of `p`. Raises `BadInput` where they are none."""
+def _constants(path: Path, p: Any) -> tuple[tuple[float, float], ...]:
+    """Return the ranges of `p`. Raises `BadInput` where they are no ranges."""
     try:
-        found = tuple((float(low), float(high)) for low, high in given)
+        ranges = tuple((float(low), float(high)) for low, high in p)
     except (TypeError, ValueError, ArithmeticError):
-        found = ((1.0, 0.0),)
-    for k, (low, high) in enumerate(found):
+        ranges = ((1.0, 0.0),)
+    for k, (low, high) in enumerate(ranges):
         if not (math.isfinite(low) and math.isfinite(high) and low <= high and math.isfinite(low + high)):
-            told = f"p[{k}] is {given[k]!r}" if isinstance(given, Sequence) and k < len(given) else f"p is {given!r}"
+            value = f"p[{k}] is {p[k]!r}" if isinstance(p, Sequence) and k < len(p) else f"p is {p!r}"
             raise BadInput(
-                f"--plant {path}: {told}; finite ranges (from, to), from <= to, are needed, for example p = [(0, 0.3)]"
+                f"--plant {path}: {value}; finite ranges (from, to), from <= to, are needed, for example p = [(0, 0.3)]"
             )
-    return found
+    return ranges
 
 
 def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
-    """By name; none of a function that is not Python's."""
+    """Return the parameters by name; none where the function is not Python's."""
     try:
         return inspect.signature(function).parameters
     except (TypeError, ValueError):
@@ -225,52 +228,64 @@ def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]
 
 
 def _order(function: Callable[..., Any], constants: bool) -> int:
-    """2 where a function must have x and v, else 1; the constants, where there are any, are one argument more."""
-    given = _parameters(function).values()
-    needed = sum(p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in given)
+    """Return 2 where a function needs x and v, else 1; the constants, where there are any, are one more argument."""
+    parameters = _parameters(function).values()
+    needed = sum(p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in parameters)
     return 2 if needed - constants == 2 else 1
 
 
 def model(plant: Model, dimension: int, order: int = 1) -> Any:
-    """The plant as a CasADi function with outputs f (n) and g (n by n, dense) of its state, x (n), or x and v (2n); behind it the
-    constants, where there are any, and x of the sample (n), where there is a mixing, which g then has in it. Raises `BadInput`
-    for wrong shapes."""
-    import casadi as ca
+    """Return the plant as a CasADi function with outputs f (n) and g (n by n, dense).
 
-    from stt_codegen.program.convert import UnknownOpcode, lower
+    Its argument is a column: x (n), or x and v (2n); then the constants, if there are any; then the sample's x (n), if the plant
+    mixes, and the mixing matrix is then in g. Raises `BadInput` for wrong shapes and for expressions that cannot be printed.
+    """
+    import casadi as ca
 
     parts = [ca.SX.sym(name, dimension) for name in ("x", "v")[:order]]
     parts += [ca.SX.sym("p", len(plant.constants))] if plant.constants else []
     sample = ca.SX.sym("sample", dimension if plant.mixing else 0)
-    if plant.mixing is not None:
-        try:
-            with contextlib.redirect_stdout(sys.stderr):
-                _matrix(plant.mixing(sample))
-        except (Exception, SystemExit) as error:  # the user's own code may raise anything
-            told = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
-            raise BadInput(
-                f"--plant {plant.name}: mix(x) fails or is no matrix ({told}); it takes x of the sample alone"
-            ) from None
-    mixed = ca.SX.eye(dimension)
+    _require_mixing(plant, sample)
+    mixing = ca.SX.eye(dimension)
     try:
         with contextlib.redirect_stdout(sys.stderr):
             f = ca.densify(_matrix(plant.f(*parts)))
             g = ca.densify(_matrix(plant.g(*parts)))
-            mixed = mixed if plant.mixing is None else ca.densify(_matrix(plant.mixing(sample)))
+            mixing = mixing if plant.mixing is None else ca.densify(_matrix(plant.mixing(sample)))
     except (Exception, SystemExit) as error:  # the user's own code may raise anything
         if "out of bounds" in str(error).lower():
             raise BadInput(
                 f"--plant {plant.name}: f, g or mix reads an entry that x does not have; the task has {dimension} dimensions, "
                 f"x[0] to x[{dimension - 1}]" + (f", and p has {len(plant.constants)} ranges" if plant.constants else "")
             ) from None
-        told = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
-        raise BadInput(f"--plant {plant.name}: f(x) or g(x) fails ({told})") from None
+        raise BadInput(f"--plant {plant.name}: f(x) or g(x) fails ({_first_line(error)})") from None
     square = (dimension, dimension)
-    for name, value, shape in (("f", f, (dimension, 1)), ("g", g, square), ("mix", mixed, square)):
+    for name, value, shape in (("f", f, (dimension, 1)), ("g", g, square), ("mix", mixing, square)):
         if value.shape != shape:
             raise BadInput(f"--plant {plant.name}: {name}(x) has shape {value.shape}; {shape} is needed")
-    g = g if plant.mixing is None else ca.densify(ca.mtimes(g, mixed))
+    g = g if plant.mixing is None else ca.densify(ca.mtimes(g, mixing))
     function = ca.Function("plant", [ca.vertcat(*parts, sample)], [f, g], ["x"], ["f", "g"])
+    _require_printable(plant, function)
+    return function
+
+
+def _require_mixing(plant: Model, sample: Any) -> None:
+    """Raise `BadInput` where a plant's mix(x) fails for the sample's x, or is no matrix."""
+    if plant.mixing is None:
+        return
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            _matrix(plant.mixing(sample))
+    except (Exception, SystemExit) as error:  # the user's own code may raise anything
+        raise BadInput(
+            f"--plant {plant.name}: mix(x) fails or is no matrix ({_first_line(error)}); it takes x of the sample alone"
+        ) from None
+
+
+def _require_printable(plant: Model, function: Any) -> None:
+    """Raise `BadInput` where f or g has an operation that cannot be enclosed and printed, or a NaN."""
+    from stt_codegen.program.convert import UnknownOpcode, lower
+
     try:
         lower(function)
     except (UnknownOpcode, ValueError, OverflowError) as error:
@@ -282,11 +297,15 @@ def model(plant: Model, dimension: int, order: int = 1) -> Any:
         raise BadInput(
             f"--plant {plant.name}: f(x) or g(x) has something that cannot be enclosed and printed ({error})"
         ) from None
-    return function
+
+
+def _first_line(error: BaseException) -> str:
+    """Return the type of an error and the first line of its message."""
+    return f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
 
 
 def _matrix(value: Any) -> Any:
-    """A CasADi matrix from an expression, a list of entries, or a list of rows."""
+    """Return a CasADi matrix from an expression, a list of entries, or a list of rows."""
     import casadi as ca
 
     if isinstance(value, Sequence):
@@ -296,7 +315,7 @@ def _matrix(value: Any) -> Any:
 
 
 def _is_row(value: Any) -> bool:
-    """Whether it is a row of a matrix: a list, or an array of one axis."""
+    """Return whether a value is a row of a matrix: a list, or an array of one axis."""
     import casadi as ca
 
     array = is_array(value) and not isinstance(value, ca.SX | ca.MX | ca.DM) and getattr(value, "ndim", 0) == 1
@@ -304,14 +323,14 @@ def _is_row(value: Any) -> bool:
 
 
 def _entry(value: Any) -> Any:
-    """An expression, a number, or an array of them, as it is. Raises ValueError for what is no real number, or infinite."""
+    """Return an expression, a number or an array unchanged. Raises ValueError for numbers that are not real or not finite."""
     import casadi as ca
 
     if isinstance(value, ca.SX | ca.MX | ca.DM):
         return value
     require_real(value, symbols=True)
     if not is_array(value):
-        if abs(value) == math.inf:  # a NaN is told by what makes one, below
+        if abs(value) == math.inf:  # a NaN has a message of its own, by the operation that produces it
             raise ValueError(f"has {value} in it; finite numbers are needed")
         return value if isinstance(value, int | float) else float(value)
     array = real_array(value, symbols=True)
@@ -319,4 +338,4 @@ def _entry(value: Any) -> Any:
         return ca.vertcat(*(ca.horzcat(*map(_entry, row)) if array.ndim == 2 else _entry(row) for row in array))
     if math.inf in map(abs, array.ravel().tolist()):
         raise ValueError("has an infinity in it; finite numbers are needed")
-    return array.astype(float)  # CasADi ends the process where it is given numbers of 128 bits
+    return array.astype(float)  # CasADi would end the process for numbers of 128 bits

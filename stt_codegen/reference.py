@@ -1,7 +1,8 @@
-"""The same equations once more, in plain NumPy, written from the paper and not from `paper/`: what every backend must match.
+"""The paper's equations in plain NumPy, which every backend must match: written from the paper, and not from `paper/`.
 
-Imports neither CasADi nor anything of this package; works on the plain data of a design. Everything is evaluated in
-`numpy.longdouble` (64 bits of significand on x86-64), so that its own rounding does not count against a double.
+This file imports neither CasADi nor anything of this package, and works on the plain data of a design. It evaluates everything in
+`numpy.longdouble` (64 bits of significand on x86-64), so that its own rounding is negligible beside a double's. compare/ calls
+it.
 """
 
 from __future__ import annotations
@@ -21,31 +22,32 @@ BASIS = np.array([[1, -3, 3, -1], [4, 0, -6, 3], [1, 3, 3, -3], [0, 0, 0, 1]], d
 
 
 def exact(value: Fraction) -> np.longdouble:
-    """A fraction in extended precision."""
+    """Return a fraction in extended precision."""
     return np.longdouble(value.numerator) / np.longdouble(value.denominator)
 
 
 def tube(table: npt.ArrayLike, unit: Fraction, t_c: Fraction, t: npt.ArrayLike) -> tuple[Array, Array]:
-    """Edges of a refined tube at times t (shape (P,)): lower and upper, each of shape (P, n).
+    """Return the edges of a refined tube at times t (shape (P,)): lower and upper, each of shape (P, n).
 
     table: integers of shape (K + 3, n, 2), control points over 6 in multiples of `unit`. NaN where t is not finite.
     """
-    place, segment = _place(table, t_c, t)
-    powers = np.stack([np.ones_like(place), place, place**2, place**3])
+    s, segment = _spline_time(table, t_c, t)
+    powers = np.stack([np.ones_like(s), s, s**2, s**3])
     return _edges(table, unit, segment, BASIS @ powers, t)
 
 
 def tube_rate(table: npt.ArrayLike, unit: Fraction, t_c: Fraction, t: npt.ArrayLike) -> tuple[Array, Array]:
-    """Rates of the edges at times t, as `tube`; zero from t_c on."""
-    place, segment = _place(table, t_c, t)
-    slopes = np.stack([np.zeros_like(place), np.ones_like(place), 2 * place, 3 * place**2])
+    """Return the rates of the edges at times t, as `tube`; zero from t_c on."""
+    s, segment = _spline_time(table, t_c, t)
+    slopes = np.stack([np.zeros_like(s), np.ones_like(s), 2 * s, 3 * s**2])
     segments = np.asarray(table).shape[0] - 3
     scale = np.where(np.asarray(t, dtype=np.longdouble) < exact(t_c), segments / exact(t_c), 0)
     lower, upper = _edges(table, unit, segment, BASIS @ slopes, t)
     return lower * scale[:, None], upper * scale[:, None]
 
 
-def _place(table: npt.ArrayLike, t_c: Fraction, t: npt.ArrayLike) -> tuple[Array, npt.NDArray[np.intp]]:
+def _spline_time(table: npt.ArrayLike, t_c: Fraction, t: npt.ArrayLike) -> tuple[Array, npt.NDArray[np.intp]]:
+    """Return s in [0, 1] within the segment, and the number of the segment, at times t held within [0, t_c]."""
     segments = np.asarray(table).shape[0] - 3
     time = np.nan_to_num(np.asarray(t, dtype=np.longdouble), nan=0.0, posinf=0.0, neginf=0.0)
     u = np.clip(time, 0, exact(t_c)) * segments / exact(t_c)
@@ -56,6 +58,7 @@ def _place(table: npt.ArrayLike, t_c: Fraction, t: npt.ArrayLike) -> tuple[Array
 def _edges(
     table: npt.ArrayLike, unit: Fraction, segment: npt.NDArray[np.intp], weights: Array, t: npt.ArrayLike
 ) -> tuple[Array, Array]:
+    """Return the lower and the upper edge: sums of control points with these weights (4, P); NaN where t is not finite."""
     q = np.asarray(table).astype(np.longdouble) * exact(unit)
     edges = sum(weights[j][:, None, None] * q[segment + j] for j in range(4))
     edges = np.where(np.isfinite(np.asarray(t, dtype=np.longdouble))[:, None, None], edges, np.nan)
@@ -65,17 +68,17 @@ def _edges(
 def transform(
     lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, e_max: Sequence[Fraction]
 ) -> tuple[Array, Array, Array]:
-    """e, epsilon and xi of section IV by component (diagonal I - e e^T), e clamped to [-e_max, e_max].
+    """Return e, epsilon and xi of section IV by component (diagonal I - e e^T), with e clamped to [-e_max, e_max].
 
     0 where upper <= lower, NaN where a number is not finite.
     """
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
-    bound, least = np.array([exact(v) for v in e_max]), np.array([exact(1 - v) for v in e_max])
+    bound, share = np.array([exact(v) for v in e_max]), np.array([exact(1 - v) for v in e_max])
     with np.errstate(all="ignore"):
         gamma_s, gamma_d = high + low, high - low
         e = np.clip((2 * state - gamma_s) / gamma_d, -bound, bound)
-        # 1 + e and 1 - e from the distances to the edges: near an edge 1 - e loses what e was rounded by
-        plus, minus = (np.clip(2 * d / gamma_d, least, 2 - least) for d in (state - low, high - state))
+        # 1 + e and 1 - e come from the distances to the edges, because near an edge 1 - e would lose the rounding of e
+        plus, minus = (np.clip(2 * d / gamma_d, share, 2 - share) for d in (state - low, high - state))
         epsilon = np.log(plus / minus)
         xi = 4 / (gamma_d * plus * minus)
     empty = gamma_d <= 0
@@ -90,10 +93,14 @@ def control(
     x: npt.ArrayLike,
     gain: Sequence[Fraction],
     e_max: Sequence[Fraction],
+    *,
     u_max: Sequence[Fraction] | None = None,
     scales: bool = False,
 ) -> tuple[npt.NDArray[np.intp], Array]:
-    """Status (shape (P,)) and u = -k xi epsilon (13) for states x of shape (P, n) in the tube with these edges."""
+    """Return the status (P,) and u = -k xi epsilon (13) for states x (P, n) in the tube with these edges.
+
+    u_max limits u by component or, if `scales`, as a vector.
+    """
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
     _, epsilon, xi = transform(low, high, state, e_max)
     u = -np.array([exact(v) for v in gain]) * xi * epsilon
@@ -107,18 +114,18 @@ def control(
     return np.where(bad, BAD_INPUT, np.where(inside, OK, OUTSIDE_TUBE)), u
 
 
-def margin(lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, least_width: float) -> Array:
-    """The least of `margins` over the components; NaN where a number of x or an edge is not finite."""
+def margin(lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, minimum_width: float) -> Array:
+    """Return the smallest of `margins` over the components; NaN where a number of x or an edge is not finite."""
     low, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, x))
-    least = margins(lower, upper, x, least_width).min(axis=1)
-    return np.where(np.isfinite(state).all(axis=1) & np.isfinite(low).all(axis=1), least, np.nan)
+    smallest = margins(lower, upper, x, minimum_width).min(axis=1)
+    return np.where(np.isfinite(state).all(axis=1) & np.isfinite(low).all(axis=1), smallest, np.nan)
 
 
-def margins(lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, least_width: float) -> Array:
-    """Distance of x (P, n) to the nearest edge over the width (`least_width` or more) by component, in [-1, 0.5]."""
+def margins(lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, minimum_width: float) -> Array:
+    """Return the distance of x (P, n) to the nearest edge over the width (at least minimum_width), by component, in [-1, 0.5]."""
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
     with np.errstate(all="ignore"):
-        share = np.minimum(state - low, high - state) / np.maximum(high - low, least_width)
+        share = np.minimum(state - low, high - state) / np.maximum(high - low, minimum_width)
     return np.asarray(np.clip(share, -1, np.longdouble(0.5)))
 
 
@@ -158,7 +165,7 @@ class LineValues:
 
 
 def lines(p: Parameters, t: npt.ArrayLike) -> LineValues:
-    """Everything in (4)-(11) that depends on time alone, at times t (held within [0, t_c])."""
+    """Return everything in (4)-(11) that depends on time alone, at times t (held within [0, t_c])."""
     time = np.clip(np.asarray(t, dtype=np.longdouble), 0, p.t_c)
     with np.errstate(all="ignore"):
         s = np.where(time < p.t_c, time / (p.t_c - time), 0)
@@ -171,9 +178,9 @@ def lines(p: Parameters, t: npt.ArrayLike) -> LineValues:
     slopes = np.zeros(rho.shape, dtype=np.longdouble)
     for i in range(p.start.shape[0]):
         for side in (0, 1):
-            own = [_bump(time, *b[2:]) for b in p.bumps if b[:2] == (i, side)]
-            if own:
-                heights[:, i, side], slopes[:, i, side] = _joined(own, p.nu)
+            bumps = [_bump(time, *b[2:]) for b in p.bumps if b[:2] == (i, side)]
+            if bumps:
+                heights[:, i, side], slopes[:, i, side] = _joined(bumps, p.nu)
     sign = np.array([1, -1], dtype=np.longdouble)
     beta = p.walls + sign * heights
     psi = np.stack([beta[:, :, 1] - rho[:, :, 0], rho[:, :, 1] - beta[:, :, 0]], axis=2)
@@ -185,7 +192,7 @@ def lines(p: Parameters, t: npt.ArrayLike) -> LineValues:
 
 
 def _bump(t: Array, b: np.longdouble, k: np.longdouble, m: np.longdouble, r: np.longdouble) -> tuple[Array, Array]:
-    """(7) above its rest level, and its derivative."""
+    """Return (7) above its rest level, and its derivative."""
     inside = np.abs(t - m) < r
     d = np.where(inside, t - m, 0)
     rest = np.where(inside, r**2 - (t - m) ** 2, 1)
@@ -194,7 +201,7 @@ def _bump(t: Array, b: np.longdouble, k: np.longdouble, m: np.longdouble, r: np.
 
 
 def _joined(bumps: list[tuple[Array, Array]], nu: np.longdouble) -> tuple[Array, Array]:
-    """ln(1 + sum(exp(nu b) - 1)) / nu in place of (9)'s max, and its derivative."""
+    """ln(1 + sum(exp(nu b) - 1)) / nu in s of (9)'s max, and its derivative."""
     values, slopes = (np.stack(v) for v in zip(*bumps, strict=True))
     top = values.max(axis=0)
     terms = np.exp(nu * (values - top))
@@ -204,14 +211,14 @@ def _joined(bumps: list[tuple[Array, Array]], nu: np.longdouble) -> tuple[Array,
 
 
 def alpha_rate(p: Parameters, psi: npt.ArrayLike, theta: npt.ArrayLike, alpha: npt.ArrayLike) -> tuple[Array, Array]:
-    """alphadot (11) and its derivative in alpha; all arguments of one shape."""
+    """Return alphadot (11) and its derivative in alpha; all arguments of one shape."""
     z = np.asarray(psi, dtype=np.longdouble) + np.asarray(alpha, dtype=np.longdouble)
     force = np.asarray(theta, dtype=np.longdouble)
     return force / z**2 - p.kappa * np.asarray(alpha, dtype=np.longdouble), -2 * force / z**3 - p.kappa
 
 
 def alpha_steps(p: Parameters, t: npt.ArrayLike, dt: npt.ArrayLike, alpha: npt.ArrayLike) -> Array:
-    """Backward Euler steps of (11) from t to t + dt (shape (P,)): alpha there, shape (P, n, 2), by bisection of the cubic."""
+    """Return alpha (P, n, 2) after backward Euler steps of (11) from t to t + dt (shape (P,)), by bisection of the cubic."""
     h = np.asarray(dt, dtype=np.longdouble)[:, None, None]
     now = lines(p, np.asarray(t, dtype=np.longdouble) + np.asarray(dt, dtype=np.longdouble))
     rest = np.asarray(alpha, dtype=np.longdouble) / (1 + h * p.kappa)
@@ -226,7 +233,7 @@ def alpha_steps(p: Parameters, t: npt.ArrayLike, dt: npt.ArrayLike, alpha: npt.A
 
 
 def adaptive_tube(p: Parameters, now: LineValues, alpha: npt.ArrayLike) -> tuple[Array, Array]:
-    """gamma of (10) and its total rate along (11), shape (P, n, 2), for alpha of that shape."""
+    """Return gamma of (10) and its total rate along (11), shape (P, n, 2), for alpha of that shape."""
     a = np.asarray(alpha, dtype=np.longdouble)
     sign = np.array([-1, 1], dtype=np.longdouble)
     moved = now.rho + sign * a

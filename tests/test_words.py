@@ -57,11 +57,8 @@ PENDING = """
     stt_codegen/lemmas/paper/conflict.py
     stt_codegen/lemmas/sampling/sampled_windows.py
     stt_codegen/loop
-    stt_codegen/paper
-    stt_codegen/plants.py
     stt_codegen/program
     stt_codegen/record
-    stt_codegen/reference.py
     stt_codegen/report
     stt_codegen/theorem
     tests

@@ -104,7 +104,7 @@ class Filtered:
         """u, and e of what is held, beyond 1 in size outside; x and v (P, n)."""
         low, high = at.lower_rate + self.filter * at.lower, at.upper_rate + self.filter * at.upper
         z = v + self.filter * x
-        _, u = reference.control(low, high, z, self.gain, (E_MAX,) * len(self.gain), self.u_max)
+        _, u = reference.control(low, high, z, self.gain, (E_MAX,) * len(self.gain), u_max=self.u_max)
         return u.astype(float), (2 * z - low - high) / (high - low)
 
 

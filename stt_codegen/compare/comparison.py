@@ -296,7 +296,7 @@ def _law_rows(
     """u and status for states x in a tube (lower, upper, and how far the arithmetic may move either)."""
     task = controller.task
     low, high, delta = tube
-    status, _ = reference.control(low, high, x, task.gain, task.e_max, task.u_max)
+    status, _ = reference.control(low, high, x, task.gain, task.e_max, u_max=task.u_max)
     _input_row(rows, controller, tube, x, got[1], label)
     room = np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * rows.eps * np.abs(x)
     rows.status(got[0], status, room, label)
@@ -308,7 +308,7 @@ def _input_row(
     """u for what is held, x, in its tube, as for `_law_rows`."""
     task, eps = controller.task, rows.eps
     low, high, delta = tube
-    _, u = reference.control(low, high, x, task.gain, task.e_max, None if task.scales_input else task.u_max)
+    _, u = reference.control(low, high, x, task.gain, task.e_max, u_max=None if task.scales_input else task.u_max)
     _, epsilon, xi = reference.transform(low, high, x, task.e_max)
     gain = np.array([abs(float(v)) for v in task.gain])
     clamp = np.array([float(v) for v in task.e_max])
@@ -318,7 +318,7 @@ def _input_row(
         assert task.u_max is not None
         largest = np.maximum(np.abs(u).max(axis=1, keepdims=True), float(task.u_max[0]))
         wrong = bound.max(axis=1, keepdims=True) / largest
-        _, scaled = reference.control(low, high, x, task.gain, task.e_max, task.u_max, True)
+        _, scaled = reference.control(low, high, x, task.gain, task.e_max, u_max=task.u_max, scales=True)
         share = float(task.u_max[0]) / largest
         bound = (share * bound + np.abs(scaled) * wrong) / np.maximum(1 - wrong, 1e-6) + 16 * eps * np.abs(scaled)
         u = scaled
@@ -351,7 +351,7 @@ def _adaptive_truth(controller: EmittedController, design: AdaptiveDesign, point
     low, high = gamma[:, :, 0], gamma[:, :, 1]
     x = with_trajectory(task, t, low, high, random_states(task, low, high, scalar))
     rate, jacobian = reference.alpha_rate(p, now.psi, now.theta, both)
-    status, u = reference.control(low, high, x, task.gain, task.e_max, task.u_max)
+    status, u = reference.control(low, high, x, task.gain, task.e_max, u_max=task.u_max)
 
     probed = Runner(probe_program(task, design)).run("probe", {"t": t})
     run = Runner(controller.program, settled=("low_z", "high_z")).run

@@ -102,7 +102,7 @@ def integer_rows(
         add("filtered tube", got, np.stack(edges), moved[None, None], float(np.abs(edges).max()))
     codes, u = backend.call("control", tick, *states)
     relative, in_eps = (float(v) for v in law_error(law, widest(task, design)))
-    _, true = reference.control(*edges, held, task.gain, task.e_max, task.u_max)
+    _, true = reference.control(*edges, held, task.gain, task.e_max, u_max=task.u_max)
     _, plain = reference.control(*edges, held, task.gain, task.e_max)
     e, _, xi = reference.transform(*edges, held, task.e_max)
     gain, clamp = (np.array([abs(float(v)) for v in values]) for values in (task.gain, task.e_max))

@@ -1,5 +1,7 @@
 """Section III-C: the adaptive tube (10) and its update function (11), for one dimension and one side at a time.
 
+controller/kernels/adaptive_parts.py prints these functions; the lemmas `kernels.*` and `update.*` are about them.
+
 gamma_L = smooth max(rho_L - alpha_L, beta_L),  gamma_U = smooth min(rho_U + alpha_U, beta_U)
 psi_L = beta_U - rho_L,  psi_U = rho_U - beta_L
 alphadot = theta / (psi + alpha)^2 - kappa alpha,  alpha(0) = 0,  theta = theta0 (1 - tanh(varsigma (psi - mu)))
@@ -7,25 +9,25 @@ alphadot = theta / (psi + alpha)^2 - kappa alpha,  alpha(0) = 0,  theta = theta0
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import casadi as ca
 
 from stt_codegen.paper.smooth import smooth_max, smooth_min
 
 NAMES = ["theta0", "kappa", "mu", "varsigma"]
-HELD = 40.0  # exp(80) is finite in binary32
-NEWTON = 7  # iterates fall to the root, to rounding, within 6 (a test searches for the worst p and q)
-LEAST_ROOT = 2.0**-60  # z is held above this in the implicit step, where q underflows
-LEAST_GAP = 2.0**-30  # psi + alpha is held above this in divisions: it never gets there where psi(0) > 0
+EXPONENT_LIMIT = 40.0  # of y in theta: exp(80) is finite in binary32
+NEWTON = 7  # iterations; 6 reach the root up to rounding (a test searches for the worst p and q)
+MINIMUM_ROOT = 2.0**-60  # a floor of z in the implicit step, where q underflows
+MINIMUM_GAP = 2.0**-30  # a floor of psi + alpha in divisions, which is never reached where psi(0) > 0
 
 
 def trigger(psi: ca.SX, theta0: ca.SX, mu: ca.SX, varsigma: ca.SX) -> ca.SX:
-    """theta of (11), the sign function smoothed by tanh: 2 theta0 in conflict, 0 away from it.
+    """Return theta of (11), the sign function smoothed by tanh: 2 theta0 in conflict, 0 away from it.
 
-    1 - tanh(y) = 2 / (1 + exp(2 y)), accurate where it is small; y is held below 40, where this is below 4e-35.
+    1 - tanh(y) = 2 / (1 + exp(2 y)), which is accurate where it is small. y is limited to 40, where this is below 4e-35.
     """
-    y = ca.fmin(varsigma * (psi - mu), HELD)
+    y = ca.fmin(varsigma * (psi - mu), EXPONENT_LIMIT)
     return 2 * theta0 / (1 + ca.exp(2 * y))
 
 
@@ -35,17 +37,18 @@ def theta() -> ca.Function:
     return ca.Function("theta", symbols, [trigger(psi, theta0, mu, varsigma)], ["psi", "theta0", "mu", "varsigma"], ["theta"])
 
 
-def equation(psi: ca.SX, alpha: ca.SX, theta0: ca.SX, kappa: ca.SX, mu: ca.SX, varsigma: ca.SX) -> ca.SX:
-    """alphadot of (11)."""
-    z = ca.fmax(psi + alpha, LEAST_GAP)
+def equation(psi: ca.SX, alpha: ca.SX, parameters: Sequence[ca.SX]) -> ca.SX:
+    """Return alphadot of (11); parameters: those of NAMES."""
+    theta0, kappa, mu, varsigma = parameters
+    z = ca.fmax(psi + alpha, MINIMUM_GAP)
     return trigger(psi, theta0, mu, varsigma) / z / z - kappa * alpha  # not z * z: its derivative would have z^4
 
 
 def update_rate() -> ca.Function:
     """psi, alpha, parameters -> alphadot (11) and d alphadot / d alpha, by differentiation."""
     names = ["psi", "alpha", *NAMES]
-    symbols = [ca.SX.sym(n) for n in names]
-    rate = equation(*symbols)
+    psi, alpha, *parameters = symbols = [ca.SX.sym(n) for n in names]
+    rate = equation(psi, alpha, parameters)
     return ca.Function("update_rate", symbols, [rate, ca.jacobian(rate, symbols[1])], names, ["alpha_rate", "jacobian"])
 
 
@@ -53,17 +56,17 @@ def update_time_jacobian() -> ca.Function:
     """psi, psi_rate, alpha, parameters -> d alphadot / d t = (d alphadot / d psi) psidot, by differentiation."""
     names = ["psi", "psi_rate", "alpha", *NAMES]
     psi, psi_rate, alpha, *parameters = symbols = [ca.SX.sym(n) for n in names]
-    in_time = ca.jacobian(equation(psi, alpha, *parameters), psi) * psi_rate
+    in_time = ca.jacobian(equation(psi, alpha, parameters), psi) * psi_rate
     return ca.Function("update_time_jacobian", symbols, [in_time], names, ["time_jacobian"])
 
 
 def implicit_start() -> ca.Function:
     """psi and theta's parameters at t + h, alpha at t, h -> p, q, rest and the first iterate z of the implicit step.
 
-    Backward Euler alpha' = alpha + h (theta / (psi + alpha')^2 - kappa alpha') is, with z = psi + alpha',
-    rest = alpha / (1 + h kappa), p = psi + rest and q = h theta / (1 + h kappa), the cubic (z - p) z^2 = q. It has one root with
-    z > 0, z > p; Newton's iterates fall to it from above. For p >= 0 they start at p + q^(1/3); for p < 0 at the lesser of
-    q^(1/3) and sqrt(q / -p), both above the root, or they would only halve from step to step while |p|^3 >> q.
+    Backward Euler alpha' = alpha + h (theta / (psi + alpha')^2 - kappa alpha') is, with z = psi + alpha', rest = alpha / (1 + h
+    kappa), p = psi + rest and q = h theta / (1 + h kappa), the cubic (z - p) z^2 = q. It has one root with z > 0, z > p; Newton's
+    iterates fall to it from above. For p >= 0 they start at p + q^(1/3). For p < 0 they start at the smaller of q^(1/3) and
+    sqrt(q / -p), both above the root; from elsewhere they would only halve in each step while |p|^3 >> q.
     """
     psi, alpha, h = (ca.SX.sym(n) for n in ("psi", "alpha", "h"))
     theta0, kappa, mu, varsigma = (ca.SX.sym(n) for n in NAMES)
@@ -71,8 +74,8 @@ def implicit_start() -> ca.Function:
     rest = alpha / damping
     p = psi + rest
     q = h * trigger(psi, theta0, mu, varsigma) / damping
-    cubic, square = ca.power(q, 1 / 3), ca.sqrt(q / ca.fmax(-p, LEAST_ROOT))
-    z = ca.fmax(ca.if_else(p < 0, ca.fmin(cubic, square), p + cubic), LEAST_ROOT)
+    cubic, square = ca.power(q, 1 / 3), ca.sqrt(q / ca.fmax(-p, MINIMUM_ROOT))
+    z = ca.fmax(ca.if_else(p < 0, ca.fmin(cubic, square), p + cubic), MINIMUM_ROOT)
     inputs = [psi, alpha, h, theta0, kappa, mu, varsigma]
     return ca.Function("implicit_start", inputs, [p, q, rest, z], ["psi", "alpha", "h", *NAMES], ["p", "q", "rest", "z"])
 
@@ -82,7 +85,7 @@ def newton() -> ca.Function:
     p, q, z = (ca.SX.sym(n) for n in ("p", "q", "z"))
     residual = (z - p) * z * z - q
     return ca.Function(
-        "newton", [p, q, z], [ca.fmax(z - residual / ca.jacobian(residual, z), LEAST_ROOT)], ["p", "q", "z"], ["next"]
+        "newton", [p, q, z], [ca.fmax(z - residual / ca.jacobian(residual, z), MINIMUM_ROOT)], ["p", "q", "z"], ["next"]
     )
 
 
@@ -103,6 +106,7 @@ def upper_edge(rate: bool = False) -> ca.Function:
 
 
 def _edge(name: str, expression: Callable[..., ca.SX], rate: bool) -> ca.Function:
+    """Return gamma from rho, alpha, beta and nu as a function of that name; with `rate`, its total rate too."""
     names = ["rho", "alpha", "beta", "nu"]
     rho, alpha, beta, _ = symbols = [ca.SX.sym(n) for n in names]
     gamma = expression(*symbols)
@@ -114,9 +118,12 @@ def _edge(name: str, expression: Callable[..., ca.SX], rate: bool) -> ca.Functio
     return ca.Function(f"{name}_rate", inputs, [gamma, total], labels, ["gamma", "gamma_rate"])
 
 
-def implicit_step(psi: ca.SX, alpha: ca.SX, h: ca.SX, theta0: ca.SX, kappa: ca.SX, mu: ca.SX, varsigma: ca.SX) -> ca.SX:
-    """alpha at t + h by the implicit step as one expression: what the emitted loop does, for use in CasADi."""
-    p, q, rest, z = implicit_start()(psi, alpha, h, theta0, kappa, mu, varsigma)
+def implicit_step(psi: ca.SX, alpha: ca.SX, h: ca.SX, parameters: Sequence[ca.SX]) -> ca.SX:
+    """Return alpha at t + h by the implicit step as one expression, as the emitted loop computes it; for use in CasADi.
+
+    psi: at t + h; alpha: at t; parameters: those of NAMES.
+    """
+    p, q, rest, z = implicit_start()(psi, alpha, h, *parameters)
     for _ in range(NEWTON):
         z = newton()(p, q, z)
     return implicit_end()(q, rest, z)
@@ -126,7 +133,7 @@ def implicit_step_function() -> ca.Function:
     """alpha at t, psi at t + h, h, parameters -> alpha at t + h; alpha first, so that it can be accumulated over steps."""
     names = ["alpha", "psi", "h", *NAMES]
     alpha, psi, h, *parameters = symbols = [ca.SX.sym(n) for n in names]
-    return ca.Function("implicit_step", symbols, [implicit_step(psi, alpha, h, *parameters)], names, ["after"])
+    return ca.Function("implicit_step", symbols, [implicit_step(psi, alpha, h, parameters)], names, ["after"])
 
 
 def edge_jacobian() -> ca.Function:

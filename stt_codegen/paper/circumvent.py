@@ -3,13 +3,14 @@
     bump(t) = B exp(-k (t - m)^2 / (r^2 - (t - m)^2)) for |t - m| < r, and 0 elsewhere;  all derivatives vanish at +-r.
 
 As printed the window is exactly the conflict, where the bump is 0 at both ends: it must be wider (`widened_radius`).
-r^2 - (t - m)^2 is computed as (r - |t - m|)(r + |t - m|) and held above k (t - m)^2 cut, cut = 1/104 (float) or 1/746
-(double): the exponent never falls below -104 (-746), where the exponential is 0, inside near the edges and everywhere
-outside. Nothing branches around a division by zero: where t = m, r^2 stands alone.
+r^2 - (t - m)^2 is computed as (r - |t - m|)(r + |t - m|) with the floor k (t - m)^2 cut, where cut = 1/104 (float) or 1/746
+(double). So the exponent never falls below -104 (-746), where the exponential is 0: inside near the edges, and everywhere
+outside. No branch avoids a division by zero, since r^2 alone remains where t = m. The lemmas `bumps.*` prove this.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 import casadi as ca
@@ -22,8 +23,9 @@ CUT = {
 }  # exp(-104) is 0 in binary32, exp(-746) in binary64; exp(-745) is not
 
 
-def bump(t: ca.SX, height: ca.SX, steepness: ca.SX, middle: ca.SX, radius: ca.SX, cut: ca.SX) -> ca.SX:
-    """One circumvent function above its rest level, (7) and (8) less X_i."""
+def bump(t: ca.SX, shape: Sequence[ca.SX]) -> ca.SX:
+    """Return one circumvent function above its rest level, (7) and (8) less X_i; shape: B, k, m, r and cut."""
+    height, steepness, middle, radius, cut = shape
     d = t - middle
     rest = (radius - ca.fabs(d)) * (radius + ca.fabs(d))
     rise = steepness * (d * d)
@@ -33,11 +35,11 @@ def bump(t: ca.SX, height: ca.SX, steepness: ca.SX, middle: ca.SX, radius: ca.SX
 def circumvent(rate: bool = False) -> ca.Function:
     """t, B, k, m, r, cut -> bump; with `rate` also its derivative in t, by differentiation."""
     names = ["t", "height", "steepness", "middle", "radius", "cut"]
-    symbols = [ca.SX.sym(name) for name in names]
-    value = bump(*symbols)
+    t, *shape = symbols = [ca.SX.sym(name) for name in names]
+    value = bump(t, shape)
     if not rate:
         return ca.Function("circumvent", symbols, [value], names, ["bump"])
-    return ca.Function("circumvent_rate", symbols, [value, ca.jacobian(value, symbols[0])], names, ["bump", "bump_rate"])
+    return ca.Function("circumvent_rate", symbols, [value, ca.jacobian(value, t)], names, ["bump", "bump_rate"])
 
 
 def join(rate: bool = False) -> ca.Function:

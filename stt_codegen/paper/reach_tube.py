@@ -1,20 +1,20 @@
 """Section III-A: the reachability tube (4), rho = X0hat + (That - X0hat) sigma(t), edge by edge.
 
-sigma(t) = tanh(t / (t_c - t)) before t_c and 1 from then on. With s = t / (t_c - t) and d = exp(-2 s):
-sigma = (1 - d) / (1 + d). The denominator is held above t_c / 1024; there d has long underflowed to 0, so sigma is exactly 1
-and its derivative exactly 0 although s is no longer the printed one. No t in [0, t_c] divides by zero or overflows.
+sigma(t) = tanh(t / (t_c - t)) before t_c and 1 from then on. With s = t / (t_c - t) and d = exp(-2 s): sigma = (1 - d) / (1 + d).
+The denominator has the floor t_c / 1024, where d has underflowed to 0 long before. So sigma is exactly 1 there and its derivative
+exactly 0, although s is no longer the printed one. No t in [0, t_c] divides by zero or overflows.
 """
 
 from __future__ import annotations
 
 import casadi as ca
 
-LEAST_REST = 2.0**-10  # of t_c: d = exp(-2 * 1023) is 0 in double and float
+MINIMUM_REST = 2.0**-10  # a floor of the time left, as a share of t_c: d = exp(-2 * 1023) is 0 in double and float
 
 
 def sigma(t: ca.SX, t_c: ca.SX) -> ca.SX:
-    """The time profile of (4) for t in [0, t_c]."""
-    s = t / ca.fmax(t_c - t, LEAST_REST * t_c)
+    """Return the time profile of (4) for t in [0, t_c]."""
+    s = t / ca.fmax(t_c - t, MINIMUM_REST * t_c)
     d = ca.exp(-2 * s)
     return (1 - d) / (1 + d)
 

@@ -13,19 +13,19 @@ import casadi as ca
 
 
 def smooth_max(a: ca.SX, b: ca.SX, nu: ca.SX) -> ca.SX:
-    """A smooth maximum, above the maximum by at most ln 2 / nu."""
+    """Return a smooth maximum, above the maximum by at most ln 2 / nu."""
     half = ca.fabs(a - b) / 2
     return (a + b) / 2 + half + ca.log1p(ca.exp(-2 * nu * half)) / nu
 
 
 def smooth_min(a: ca.SX, b: ca.SX, nu: ca.SX) -> ca.SX:
-    """A smooth minimum, below the minimum by at most ln 2 / nu."""
+    """Return a smooth minimum, below the minimum by at most ln 2 / nu."""
     half = ca.fabs(a - b) / 2
     return (a + b) / 2 - half - ca.log1p(ca.exp(-2 * nu * half)) / nu
 
 
 def smooth_join(a: ca.SX, b: ca.SX, nu: ca.SX) -> ca.SX:
-    """Joins two bumps a, b >= 0: ln(exp(nu a) + exp(nu b) - 1) / nu, in place of the max in (9), which is not C1.
+    """Join two bumps a, b >= 0: ln(exp(nu a) + exp(nu b) - 1) / nu, in place of the max in (9), which is not C1.
 
     Equal to the other where one is 0 (no bias at rest), at most max(a, b) + ln 2 / nu, and associative: m bumps joined one
     after the other give ln(1 + sum_j (exp(nu b_j) - 1)) / nu.

@@ -134,8 +134,8 @@ def wrong_sigma(t: ca.SX, t_c: ca.SX) -> ca.SX:
     return (1 - ca.exp(-t / ca.fmax(t_c - t, 2.0**-10 * t_c))) / (1 + ca.exp(-2 * t / ca.fmax(t_c - t, 2.0**-10 * t_c)))
 
 
-def wrong_equation(*s: ca.SX) -> ca.SX:
-    psi, alpha, theta0, kappa, mu, varsigma = s
+def wrong_equation(psi: ca.SX, alpha: ca.SX, parameters: Any) -> ca.SX:
+    theta0, kappa, mu, varsigma = parameters
     return adaptive_tube.trigger(psi, theta0, mu, varsigma) / (psi + alpha) - kappa * alpha
 
 
@@ -145,7 +145,8 @@ def wrong_newton() -> ca.Function:
     return ca.Function("newton", [p, q, z], [z - f / (3 * z * z - p * z)], ["p", "q", "z"], ["next"])
 
 
-def wrong_bump(t: ca.SX, height: ca.SX, steepness: ca.SX, middle: ca.SX, radius: ca.SX, cut: ca.SX) -> ca.SX:
+def wrong_bump(t: ca.SX, shape: Any) -> ca.SX:
+    height, steepness, middle, radius, cut = shape
     d = t - middle
     return height * ca.exp(-steepness * d * d / ca.fmax(radius * radius + d * d, cut))
 
@@ -307,7 +308,7 @@ def test_the_sampled_statements_go_through_a_first_exit() -> None:
         (adaptive_tube, "smooth_max", wrong_max, "lower_edge", adaptive_tube.lower_edge),
         (adaptive_tube, "smooth_max", wrong_max, "lower_edge_rate", lambda: adaptive_tube.lower_edge(True)),
         (adaptive_tube, "newton", wrong_newton, "newton", lambda: wrong_newton()),
-        (adaptive_tube, "LEAST_GAP", 2.0**-20, "update_rate", adaptive_tube.update_rate),
+        (adaptive_tube, "MINIMUM_GAP", 2.0**-20, "update_rate", adaptive_tube.update_rate),
     ],
 )
 def test_a_wrong_kernel_of_the_adaptive_tube_leaves_its_lemma_open(

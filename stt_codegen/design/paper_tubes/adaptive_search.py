@@ -228,7 +228,7 @@ def _grid_profile() -> ca.Function:
 @cache
 def _grid_bump() -> ca.Function:
     t, *shape = symbols = [ca.SX.sym(n) for n in ("t", "B", "k", "m", "r")]
-    return ca.Function("bump", symbols, [bump(t, shape[0], shape[1], shape[2], shape[3], ca.SX(float(CUT["double"])))]).map(
+    return ca.Function("bump", symbols, [bump(t, (*shape, ca.SX(float(CUT["double"]))))]).map(
         "b", "serial", GRID_STEPS + 1, [1, 2, 3, 4], []
     )
 
@@ -251,7 +251,7 @@ def _grid_tube() -> ca.Function:
     theta0, kappa, mu, varsigma, nu = (ca.SX.sym(n) for n in ("theta0", "kappa", "mu", "varsigma", "nu"))
     rho_low, rho_high, beta_low, beta_high = ca.vertsplit(lines)
     after = [
-        adaptive_tube.implicit_step(psi, alpha[k], step, theta0, kappa, mu, varsigma)
+        adaptive_tube.implicit_step(psi, alpha[k], step, (theta0, kappa, mu, varsigma))
         for k, psi in enumerate((beta_high - rho_low, rho_high - beta_low))
     ]
     low = smooth_max(rho_low - after[0], beta_low, nu)

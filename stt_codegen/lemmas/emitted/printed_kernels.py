@@ -17,8 +17,8 @@ import sympy as sp
 
 from stt_codegen.controller.kernels import adaptive_parts
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
-from stt_codegen.paper.adaptive_tube import HELD, LEAST_GAP, LEAST_ROOT
-from stt_codegen.paper.reach_tube import LEAST_REST
+from stt_codegen.paper.adaptive_tube import EXPONENT_LIMIT, MINIMUM_GAP, MINIMUM_ROOT
+from stt_codegen.paper.reach_tube import MINIMUM_REST
 from stt_codegen.program import Kernel
 from stt_codegen.program.symbolic import follow_kernel, kernel_formulas
 
@@ -126,7 +126,7 @@ def points(**choices: Sequence[float]) -> tuple[Point, ...]:
 
 
 def _theta(psi: Any) -> Any:
-    return 2 * SYMBOLS["theta0"] / (1 + sp.exp(2 * sp.Min(SYMBOLS["varsigma"] * (psi - SYMBOLS["mu"]), _exact(HELD))))
+    return 2 * SYMBOLS["theta0"] / (1 + sp.exp(2 * sp.Min(SYMBOLS["varsigma"] * (psi - SYMBOLS["mu"]), _exact(EXPONENT_LIMIT))))
 
 
 def _smooth_max(a: Any, b: Any, sign: int) -> Any:
@@ -137,10 +137,10 @@ def _smooth_max(a: Any, b: Any, sign: int) -> Any:
 def _reach_claims() -> Iterator[KernelClaim]:
     """Yield the claims about clamped time, the profile (4) and the edges of the reachability tube."""
     t, t_c, start, end, sigma, sigma_rate = (SYMBOLS[n] for n in ("t", "t_c", "start", "end", "sigma", "sigma_rate"))
-    s = t / sp.Max(t_c - t, _exact(LEAST_REST) * t_c)
+    s = t / sp.Max(t_c - t, _exact(MINIMUM_REST) * t_c)
     profile = (1 - sp.exp(-2 * s)) / (1 + sp.exp(-2 * s))
     times = points(t=(0.0, 1.0, 8.9, 8.999, 9.0), t_c=(9.0,))
-    smooth_times = tuple(v for v in times if v["t"] != 9 * (1 - Fraction(LEAST_REST)))
+    smooth_times = tuple(v for v in times if v["t"] != 9 * (1 - Fraction(MINIMUM_REST)))
     yield KernelClaim("hold", (sp.Min(sp.Max(t, 0), t_c),), points(t=(-1.0, 1.0, 9.5), t_c=(9.0,)))
     yield KernelClaim("profile", (profile,), times)
     yield KernelClaim("profile_rate", (profile,), smooth_times, {"t": 1})
@@ -171,13 +171,13 @@ def _bump_claims() -> Iterator[KernelClaim]:
 def _update_claims() -> Iterator[KernelClaim]:
     """Yield the claims about (11) and the implicit step that is emitted for it."""
     psi, alpha, p, q, z = (SYMBOLS[n] for n in ("psi", "alpha", "p", "q", "z"))
-    psi_plus_alpha = sp.Max(psi + alpha, _exact(LEAST_GAP))
+    psi_plus_alpha = sp.Max(psi + alpha, _exact(MINIMUM_GAP))
     alpha_rate = _theta(psi) / psi_plus_alpha**2 - SYMBOLS["kappa"] * alpha
     constants = {"theta0": (0.5,), "kappa": (5.0,), "mu": (0.25,), "varsigma": (20.0,)}
     states = points(psi=(-1.0, 0.5, 1.0, 4.0), alpha=(0.0, 0.125, 0.75), **constants)
     starts = points(h=(0.001, 1.0), psi=(-2.0, -0.5, 0.5, 4.0), alpha=(0.0, 0.75), **constants)
     iterates = points(p=(-2.0, 0.0, 1.0), q=(0.0, 1e-30, 0.5), z=(2.0**-60, 0.5, 2.0))
-    next_iterate = sp.Max(z - ((z - p) * z**2 - q) / (z * (3 * z - 2 * p)), _exact(LEAST_ROOT))
+    next_iterate = sp.Max(z - ((z - p) * z**2 - q) / (z * (3 * z - 2 * p)), _exact(MINIMUM_ROOT))
     yield KernelClaim("theta", (_theta(psi),), points(psi=(0.0, 4.0), theta0=(0.5,), mu=(0.25,), varsigma=(20.0,)))
     yield KernelClaim("update_rate", (alpha_rate,), states, {"alpha": 1})
     yield KernelClaim("implicit_start", _implicit_start(), starts, rewriting=_psi_by_minus_p)
@@ -203,7 +203,7 @@ def _implicit_start() -> tuple[Any, ...]:
     h, kappa, psi, alpha = (SYMBOLS[n] for n in ("h", "kappa", "psi", "alpha"))
     rest = alpha / (1 + h * kappa)
     p, q = psi + rest, h * _theta(psi) / (1 + h * kappa)
-    minimum_root = _exact(LEAST_ROOT)
+    minimum_root = _exact(MINIMUM_ROOT)
     third = _exact(1 / 3)
     root_for_negative_p = sp.Max(sp.Min(q**third, sp.sqrt(q / sp.Max(-p, minimum_root))), minimum_root)
     start = sp.Piecewise((root_for_negative_p, p < 0), (sp.Max(p + q**third, minimum_root), True))
