@@ -199,7 +199,8 @@ def test_the_box_for_a_routes_end_lies_in_the_target_and_is_the_largest_of_its_p
     half = (goal[1] - goal[0]) / 2
     rows, ends = [], []
     for normal, bound in zip(
-        *(np.concatenate([getattr(c, f) for c in (arena.space_cuts, arena.target_cuts)]) for f in ("normal", "bound")), strict=True
+        *(np.concatenate([getattr(c, f) for c in (arena.space_cuts, arena.target_cuts)]) for f in ("normal", "bound")),
+        strict=True,
     ):
         rows.append([*-normal, float(np.abs(normal) @ half)])
         ends.append(-bound - float(np.abs(normal) @ inset))

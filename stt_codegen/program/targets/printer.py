@@ -44,6 +44,10 @@ class Printer(ABC):
         self.program = program
         self.inside: Function | None = None
 
+    def helpers(self) -> Sequence[str | Sequence[str]]:
+        """Return the text of the functions that printed operations call, if the language needs any."""
+        return []
+
     # ---- expressions
 
     def expression(self, value: Expression) -> str:
