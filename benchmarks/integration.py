@@ -162,7 +162,10 @@ JOBS = (
         helpers=("benchmarks/fixed.py",),
     ),
     slow_tests("lemmas/lemmas", "A wrong kernel leaves the lemma about it open.", 5),
-    slow_tests("sampling/one_formula", "A wrong term of the sampling conditions leaves a lemma about it open.", 4),
+    slow_tests(
+        "sampling/one_formula", "A wrong term of the sampling conditions leaves a lemma about it open.", 4,
+        helpers=("tests/sampling",),
+    ),
     slow_tests(
         "emit/lint", "clang-tidy finds nothing in the C that is shipped.", 1, tools=("clang-tidy",),
         helpers=("tests/emit/test_runtime_errors.py", "docs/c.md"),

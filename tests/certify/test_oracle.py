@@ -396,9 +396,9 @@ def test_every_kind_of_held_mutant_is_drawn(kind: str) -> None:
 @pytest.mark.parametrize(
     ("forgotten", "kind", "code"),
     [
-        ("spare_acceleration", "input limit", "P8"),
-        ("filtered_width", "time at the flip", "P1 z"),
-        ("starts", "start turned", "P2 z"),
+        ("input_slack", "input limit", "P8"),
+        ("filtered_width_slack", "time at the flip", "P1 z"),
+        ("start_slack", "start turned", "P2 z"),
     ],
 )
 def test_a_tool_that_forgets_one_is_caught(forgotten: str, kind: str, code: str, monkeypatch: pytest.MonkeyPatch) -> None:
