@@ -22,7 +22,8 @@ from fractions import Fraction
 from pathlib import Path
 
 from stt_codegen.certify import checker
-from stt_codegen.theorem.reading import Statement, kernels, spline_time
+from stt_codegen.theorem.facts import Statement
+from stt_codegen.theorem.reading import kernels, spline_time
 
 ROOT = Path(__file__).parent.parent
 FORMATS = {"float": ("ieee_32", 24, 150), "double": ("ieee_64", 53, 1075)}

@@ -54,6 +54,12 @@ def test_importing_loads_nothing_heavy_and_changes_no_backend() -> None:
     assert run(code).strip() == "svg"
 
 
+def test_the_interface_loads_no_solver() -> None:
+    """What every script and notebook waits for: the search for a tube brings its solvers when one is designed."""
+    loaded = json.loads(run("import sys, json, stt_codegen.api; print(json.dumps([m for m in sys.modules]))"))
+    assert not set("casadi control sympy highspy matplotlib flint scipy".split()) & set(loaded)
+
+
 def test_the_face_is_the_interface() -> None:
     """What the package offers, what the module behind it has, and what type checkers are told are the same names."""
     stub = (ROOT / "stt_codegen" / "__init__.pyi").read_text()

@@ -16,8 +16,9 @@ from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
 from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import task_keys
+from stt_codegen.theorem.facts import Facts, Sampling
 from stt_codegen.theorem.hints import cells, hints, holds
-from stt_codegen.theorem.reading import FORMATS, Facts, Sampling, facts
+from stt_codegen.theorem.reading import FORMATS, facts
 from stt_codegen.theorem.tube_theorem import box, half_spaces, hinted, listed, rational, sampled_claim, search, shape
 
 

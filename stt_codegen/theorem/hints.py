@@ -32,7 +32,7 @@ from stt_codegen.sampling import (
     weakest_effect,
     worst_with_previous_window,
 )
-from stt_codegen.theorem.reading import Facts, Sampling
+from stt_codegen.theorem.facts import Facts, Sampling
 
 BITS, INPUT_MARGIN = 24, 1 + Fraction(1, 1 << 20)
 CELL_COUNTS = (1, 2, 4, 8, 16, 32, 64, 128)

@@ -12,8 +12,9 @@ from typing import Any
 from stt_codegen.decimals import above, below
 from stt_codegen.decimals import exact_decimal as exact
 from stt_codegen.program.targets.template_files import template
+from stt_codegen.theorem.facts import Facts, Sampling, Statement
 from stt_codegen.theorem.hints import Hint, cells, hints
-from stt_codegen.theorem.reading import FORMATS, Facts, Sampling, Statement, lateness
+from stt_codegen.theorem.reading import FORMATS, lateness
 from stt_codegen.theorem.unsafe_sets import Edges, Face, Point, Shape, solid
 
 DEPTH = 20  # times that a segment may be halved

@@ -3,12 +3,19 @@ one, whose state goes from step to step."""
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
 import pytest
 
 from stt_codegen.compare import compare_backend
-from stt_codegen.errors import MissingTool
+from stt_codegen.errors import BadInput, MissingTool
 from stt_codegen.program.targets import TARGETS
+from stt_codegen.task.added_names import ADDED_NAMES
 from stt_codegen.task.load import load_task
+from stt_codegen.task.task import Task
 from tests.support.absent import absent
 from tests.support.controllers import ROOT, built
 
@@ -28,6 +35,66 @@ def test_every_language_is_within_its_bounds(target, name: str, design: str) -> 
         assert {row.backend for row in rows} <= {target.title, f"{target.title} {scalar}"}
         assert {"tube", "u", "status", "margin"} <= {row.quantity for row in rows}
         assert not [row for row in rows if not row.holds]
+
+
+CART = {
+    "name": "cart",
+    "axes": ["x"],
+    "prescribed_time": 6,
+    "initial_state": [0.5],
+    "state_space": {"lower": [0], "upper": [4]},
+    "initial_set": {"lower": [0], "upper": [1]},
+    "target_set": {"lower": [3], "upper": [4]},
+}
+DOCKS = [{"name": name, "lower": [lower], "upper": [lower + 1]} for name, lower in (("near", 0.5), ("far", 2.5))]
+# For each name that templates add to the Program: what a task changes that owes it.
+OWED: dict[str, dict[str, Any]] = {
+    "phase": {"region": DOCKS, "mission": [{"visit": "far"}]},
+    "wrap": {
+        "region": DOCKS,
+        "mission": [{"patrol": ["near", "far"], "every": 20}],
+        "repeat": True,
+        "prescribed_time": 40,
+        "target_set": None,
+    },
+    "unwrap": {"periodic": {"x": 40}},
+    "guard": {"control": {"outside": "stop"}},
+    "PERIOD_PROVED": {"control": {"period": 0.02, "u_max": 100}, "plant": {"w_max": 0.1}},
+}
+OWED["wrap_tick"] = {**OWED["wrap"], "emit": {"tick_period": 0.01}}
+
+
+def owing(name: str) -> Task:
+    """Return a task, in C and Python, that owes the name."""
+    return Task(**{key: value for key, value in {**CART, **OWED[name]}.items() if value is not None})
+
+
+def adds(text: str, name: str) -> bool:
+    """Return whether the text of a file has the constant, or a function or a structure of the name."""
+    end = r"\b" if ADDED_NAMES[name].is_constant else r"(?:\(| \{)"
+    return re.search(rf"\b\w+ (?:\w+_)?{name}{end}", text, re.I) is not None
+
+
+@pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.key)
+@pytest.mark.parametrize("name", ADDED_NAMES)
+def test_every_language_adds_the_names_that_a_task_owes_or_lacks_them_for_a_reason(target, name: str) -> None:
+    assert ADDED_NAMES[name].applies_to(owing(name))
+    assert target.lacks.keys() <= ADDED_NAMES.keys()
+    if name in target.lacks and not ADDED_NAMES[name].is_constant:
+        with pytest.raises(BadInput, match=f"^emit.{target.key}: .* has no `{name}`"):
+            owing(name).with_options(language=target.key)
+        return
+    controller = built(owing(name).with_options(language=target.key if target.option else None))
+    files = (text.decode() for file, text in controller.files.items() if Path(file).suffix in target.suffixes)
+    assert any(adds(text, name) for text in files) == (name not in target.lacks)
+
+
+def test_a_language_that_lacks_a_function_refuses_the_tasks_that_owe_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    without = tuple(replace(target, lacks={"guard": "a trial"}) if target.key == "rust" else target for target in TARGETS)
+    monkeypatch.setattr("stt_codegen.program.targets.registry.TARGETS", without)
+    task = owing("phase").with_options(language="rust")
+    with pytest.raises(BadInput, match=r"^emit\.rust: Rust has no `guard`, which control\.outside needs"):
+        task.changed(control={"outside": "stop"})
 
 
 def test_what_a_language_has_is_where_its_folder_says() -> None:

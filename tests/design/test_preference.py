@@ -55,7 +55,7 @@ def checked(controller: EmittedController, task: Task, folder: Path) -> int:
 @pytest.mark.parametrize("seed", [0, 5, 10, 15, 20, 30, 35])
 def test_of_the_tubes_that_are_as_slow_the_one_that_bends_least_is_taken(seed: int) -> None:
     task = arena_task(FAMILIES["paper"], seed)
-    search, shape = refining._designed(task, refining._arena(task))
+    search, shape = refining._search_preferred(task, refining._normalised_arena(task))
     calm = smoothest_tube(search.arena, search.start, shape)
 
     def bends(points: np.ndarray) -> float:
@@ -204,7 +204,7 @@ def test_no_tube_of_the_family_is_slower_wider_or_longer_proved_than_the_one_pre
     by = {name: tube for tube in report.tubes for name in tube.preferred}
     assert set(by) == {"balanced", "slow", "wide", "period"}
     slowest = min(t.speed for t in report.tubes)
-    assert by["slow"].speed <= refining.AS_SLOW * slowest * (1 + 1e-5)  # the tables are rounded
+    assert by["slow"].speed <= refining.SLOWEST_TOLERANCE * slowest * (1 + 1e-5)  # the tables are rounded
     assert by["wide"].least_width >= max(t.least_width for t in report.tubes) - 1e-5
     # at gain 1/2, which the task leaves open, periods are searched for to CLOSE
     assert (by["period"].period or 0) >= 0.98 * max(t.period or 0 for t in report.tubes)

@@ -23,7 +23,7 @@ from stt_codegen.sampling.order_two import difference_error
 from stt_codegen.task import Task
 from stt_codegen.task.schema import ComponentBounds
 from stt_codegen.theorem import hints
-from stt_codegen.theorem.reading import Sampling
+from stt_codegen.theorem.facts import Sampling
 
 SEGMENTS = 4
 BITS = 12  # of the tables

@@ -20,7 +20,8 @@ from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem import asking
 from stt_codegen.theorem.controller_theorem import quoted
-from stt_codegen.theorem.reading import Facts, Unread, facts
+from stt_codegen.theorem.facts import Facts
+from stt_codegen.theorem.reading import Unread, facts
 from stt_codegen.theorem.text import theorem_text
 from stt_codegen.theorem.tube_theorem import listed, rational, written
 from stt_codegen.theorem.unsafe_sets import multipliers, sets, solid

@@ -47,7 +47,8 @@ class TargetLanguage:
     option: the description of its key in [emit], where a task has to ask for it; empty for a language that is always emitted.
     integers: whether it emits controllers in integers too, from `fixed<suffix>.j2`. runner: returns the class of the backend
     that makes the emitted code callable for `compare`, which it imports; it raises `MissingTool` where the language's tools are
-    missing. scalars: those that `compare` runs it in. package: the language's own package, if it has one.
+    missing. scalars: those that `compare` runs it in. package: the language's own package, if it has one. lacks: names of
+    `ADDED_NAMES` (task/added_names.py) that its template does not add, each with the reason.
     """
 
     key: str
@@ -63,6 +64,7 @@ class TargetLanguage:
     integers: bool = False
     scalars: tuple[str, ...] = ("float", "double")
     package: Layout | None = field(default=None)
+    lacks: Mapping[str, str] = field(default_factory=dict)
 
     def file_names(self, prefix: str) -> list[str]:
         """Return the names of the files that it emits for a task of this name."""

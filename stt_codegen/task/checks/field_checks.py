@@ -13,6 +13,7 @@ from fractions import Fraction
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.program.targets import targets_of
+from stt_codegen.task.added_names import ADDED_NAMES
 from stt_codegen.task.checks.mission_checks import mission_problem
 from stt_codegen.task.checks.set_checks import axes_problem, entries_problem, motion_problem, set_problem
 from stt_codegen.task.schema import PLANT_BOUNDS, TaskTables
@@ -38,6 +39,7 @@ def first_problem(task: TaskTables) -> str | None:
         structure_problem(task)
         or mission_problem(task)
         or _options_problem(task)
+        or _language_problem(task)
         or _containment_problem(task, n)
         or unsafe_problem(task)
     )
@@ -56,6 +58,15 @@ def _name_problem(task: TaskTables) -> str | None:
             return f"name: {name!r} is {target.words_are}{option}; choose another"
         if name.lower() in target.library:
             return f"name: {name!r} would shadow a part of the standard library of {target.title}{option}; choose another"
+    return None
+
+
+def _language_problem(task: TaskTables) -> str | None:
+    """Return a message where the task owes a function that a language of it does not have, else None."""
+    for target in targets_of(task.emit):
+        for name, added in ADDED_NAMES.items():
+            if name in target.lacks and not added.is_constant and added.applies_to(task):
+                return f"emit.{target.key}: {target.title} has no `{name}`, which {added.option} needs; leave one of them out"
     return None
 
 

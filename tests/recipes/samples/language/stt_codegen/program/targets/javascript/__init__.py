@@ -33,4 +33,5 @@ TARGET = TargetLanguage(
     option="adds <name>.js, a module for node",
     scalars=("double",),
     runner=_runner,
+    lacks=dict.fromkeys(("phase", "wrap", "wrap_tick", "unwrap", "guard", "PERIOD_PROVED"), "the template is small"),
 )
