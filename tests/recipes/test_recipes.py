@@ -180,7 +180,7 @@ BOARD = Sample(
         "stt_codegen/board/boards.py": [
             (
                 '        _arm("m4f",',
-                '        _arm("m4", "Cortex-M4, no FPU", "cortex-m4", "mps2-an386", "thumbv7em-none-eabi"),\n        _arm("m4f",',
+                '        _arm("m4", "Cortex-M4, no FPU", "cortex-m4", "mps2-an386", rust_target="thumbv7em-none-eabi"),\n        _arm("m4f",',
             )
         ],
         "docs/board.md": [("| rv32 | RISC-V", "| m4 | Cortex-M4, no FPU | qemu-system-arm | |\n| rv32 | RISC-V")],
@@ -191,34 +191,37 @@ KIND = Sample(
     files="kind",
     edits={
         "stt_codegen/design_kinds.py": [
-            ('Literal["refined", "adaptive", "literal"]', 'Literal["refined", "adaptive", "literal", "plain"]'),
-            ('    "adaptive": Capabilities(', '    "plain": Capabilities(avoids_any_shape=True),\n    "adaptive": Capabilities('),
+            ('Literal["refined", "adaptive", "literal"]', 'Literal["refined", "adaptive", "literal", "shapely"]'),
+            (
+                '    "adaptive": Capabilities(',
+                '    "shapely": Capabilities(avoids_any_shape=True),\n    "adaptive": Capabilities(',
+            ),
         ],
         "stt_codegen/designs/__init__.py": [
             (
                 "from stt_codegen.designs.refined import",
-                "from stt_codegen.designs.plain import PlainDesign\nfrom stt_codegen.designs.refined import",
+                "from stt_codegen.designs.shapely import ShapelyDesign\nfrom stt_codegen.designs.refined import",
             ),
-            ('    "RefinedDesign",\n', '    "PlainDesign",\n    "RefinedDesign",\n'),
+            ('    "RefinedDesign",\n', '    "ShapelyDesign",\n    "RefinedDesign",\n'),
         ],
         "stt_codegen/pipeline.py": [
-            ("import AdaptiveDesign, Design, RefinedDesign,", "import AdaptiveDesign, Design, PlainDesign, RefinedDesign,"),
+            ("import AdaptiveDesign, Design, RefinedDesign,", "import AdaptiveDesign, Design, ShapelyDesign, RefinedDesign,"),
             (
                 "def _design_adaptive(",
-                """def _design_plain(task: Task) -> Design:
+                """def _design_shapely(task: Task) -> Design:
     from stt_codegen.design import refine
 
-    return PlainDesign.of(refine(task))
+    return ShapelyDesign.of(refine(task))
 
 
 def _design_adaptive(""",
             ),
             (
                 '    "adaptive": Stages(',
-                """    "plain": Stages(
-        _design_plain,
-        for_any_design(PlainDesign, _refined_program),
-        for_any_design(PlainDesign, _certify_refined),
+                """    "shapely": Stages(
+        _design_shapely,
+        for_any_design(ShapelyDesign, _refined_program),
+        for_any_design(ShapelyDesign, _certify_refined),
     ),
     "adaptive": Stages(""",
             ),
@@ -226,7 +229,7 @@ def _design_adaptive(""",
         "stt_codegen/compare/comparison.py": [
             (
                 '    "adaptive": _OF_ADAPTIVE,',
-                """    "plain": _KindComparison(
+                """    "shapely": _KindComparison(
         for_any_design(RefinedDesign, CasadiRefined), for_any_design(RefinedDesign, _rows_of_refined)
     ),
     "adaptive": _OF_ADAPTIVE,""",
@@ -235,18 +238,18 @@ def _design_adaptive(""",
         "stt_codegen/emit/document.py": [
             (
                 '    "adaptive": for_any_design(',
-                '    "plain": for_any_design(RefinedDesign, _exact),\n    "adaptive": for_any_design(',
+                '    "shapely": for_any_design(RefinedDesign, _exact),\n    "adaptive": for_any_design(',
             )
         ],
-        "stt_codegen/lemmas/emitted/functions.py": [('{"refined": SPLINE, ', '{"refined": SPLINE, "plain": SPLINE, ')],
+        "stt_codegen/lemmas/emitted/functions.py": [('{"refined": SPLINE, ', '{"refined": SPLINE, "shapely": SPLINE, ')],
         "stt_codegen/report/analysis.py": [
             (
                 '    "adaptive": for_any_design(',
-                '    "plain": for_any_design(RefinedDesign, _read_splines),\n    "adaptive": for_any_design(',
+                '    "shapely": for_any_design(RefinedDesign, _read_splines),\n    "adaptive": for_any_design(',
             )
         ],
-        "benchmarks/suites/printed.py": [('"refined": "ours"', '"refined": "ours", "plain": "a sample"')],
-        "docs/task.md": [('Designs: `"refined"` (certified);', 'Designs: `"refined"` and `"plain"` (certified);')],
+        "benchmarks/suites/printed.py": [('"refined": "ours"', '"refined": "ours", "shapely": "a sample"')],
+        "docs/task.md": [('Designs: `"refined"` (certified);', 'Designs: `"refined"` and `"shapely"` (certified);')],
     },
 )
 SAMPLES = {sample.title: sample for sample in (SET, OPERATION, LANGUAGE, COMMAND, BOARD, KIND)}
@@ -417,7 +420,7 @@ def test_a_kind_of_tube_is_designed_compiled_and_compared(made, tmp_path: Path, 
     tool("gcc")
     copy = made("A kind of tube")
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    (tmp_path / "omni_s2.toml").write_text(text.replace("[tube]\n", '[tube]\ndesign = "plain"\n'))
+    (tmp_path / "omni_s2.toml").write_text(text.replace("[tube]\n", '[tube]\ndesign = "shapely"\n'))
     for folder, options in (("c", ()), ("sketch", ("--package", "arduino"))):
         arguments = (str(tmp_path / "omni_s2.toml"), "--out", str(tmp_path / folder), *options)
         written = in_copy(copy, "generate", *arguments)
@@ -437,5 +440,5 @@ def test_a_kind_of_tube_is_designed_compiled_and_compared(made, tmp_path: Path, 
 def test_a_table_that_a_kind_is_left_out_of_is_noticed(path: str, tmp_path: Path) -> None:
     copy = copy_of_the_repository(tmp_path)
     follow(replace(KIND, edits={name: edits for name, edits in KIND.edits.items() if name != path}), copy)
-    with pytest.raises(AssertionError, match="has no plain"):
+    with pytest.raises(AssertionError, match="has no shapely"):
         pytest_in_copy(copy, "tests/test_designs_protocol.py", "-k", "every_kind_has_an_entry")
