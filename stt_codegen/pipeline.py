@@ -103,7 +103,7 @@ def require_supported(task: Task) -> None:
     if task.control.period is not None and not offered.proves_periods:
         kinds = kinds_offering("proves_periods")
         raise BadInput(f"control.period: is proved for {kinds} tubes only; leave it out for a {task.tube.design} one")
-    require_offered(task, task.tube.design)
+    require_offered(task, offered)
 
 
 def require_design_for(task: Task, tube: Design) -> None:
@@ -154,7 +154,7 @@ def certify(task: Task, design: Design, program: Program) -> Certificate:
     The certificate may fail; `build` decides what follows from that. Raises `BadInput` where the task makes a demand that
     tubes of this kind do not fulfil: their certificate would say nothing of it.
     """
-    require_offered(task, design.kind)
+    require_offered(task, design.capabilities)
     return replace(STAGES[design.kind].certify(task, design, program), axes=task.axis_words)
 
 

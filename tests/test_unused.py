@@ -28,6 +28,9 @@ USED_ELSEWHERE = {
     "Judged._fields_": "ctypes",
     "Setting._fields_": "ctypes",
     "BezierTube.bezier": "a method that this class borrows",
+    "BezierTube.largest_steps": "the windows of a design",
+    "TaskNumbers.emitted_u_max": "the law of a task",
+    "TaskNumbers.largest_coordinate": "the law of a task",
     "_Console.on_broken_pipe": "rich",
 }
 

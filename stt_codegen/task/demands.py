@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from stt_codegen.design_kinds import CAPABILITIES, DesignKind, kinds_offering
+from stt_codegen.design_kinds import Capabilities, kinds_offering
 from stt_codegen.errors import BadInput
 from stt_codegen.task.schema import PLANT_BOUNDS, TaskTables
 from stt_codegen.task.sets import UnsafeSet
@@ -55,10 +55,11 @@ DEMANDS: Mapping[str, Demand] = {  # by the capability, a field of `Capabilities
 }  # fmt: skip
 
 
-def require_offered(task: TaskTables, kind: DesignKind) -> None:
-    """Raise `BadInput` where the task makes a demand that tubes of the kind do not fulfil."""
-    offered = CAPABILITIES[kind]
+def require_offered(task: TaskTables, offered: Capabilities) -> None:
+    """Raise `BadInput` where the task makes a demand that a kind of tube with these capabilities does not fulfil."""
     for capability, demand in DEMANDS.items():
         if not getattr(offered, capability) and demand.applies_to(task):
             kinds = kinds_offering(capability, quoted=True)
-            raise BadInput(f"{demand.field}: asks for {demand.what}, which {kind} tubes do not offer; use tube.design = {kinds}")
+            raise BadInput(
+                f"{demand.field}: asks for {demand.what}, which this kind of tube does not offer; use tube.design = {kinds}"
+            )

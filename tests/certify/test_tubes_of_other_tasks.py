@@ -166,9 +166,9 @@ def test_a_demand_that_a_kind_does_not_fulfil_reaches_no_certifier(capability: s
     unchecked = task.model_copy(update={"tube": task.tube.model_copy(update={"design": kind})})
     tube: Design = tube_like(task) if offers else dataclasses.replace(adaptive_tube(), kind=kind)
     if offers:
-        require_offered(unchecked, tube.kind)
+        require_offered(unchecked, tube.capabilities)
         return
-    with pytest.raises(BadInput, match=f"which {kind} tubes do not offer"):
+    with pytest.raises(BadInput, match="which this kind of tube does not offer"):
         certify(unchecked, tube, None)  # type: ignore[arg-type]
 
 
