@@ -97,7 +97,9 @@ def design(task: Task | str | Path) -> Design:
 
 
 def certify(task: Task | str | Path, tube: Design) -> Certificate:
-    """Certify a tube for the task: P1 to P7, each with its margin in the task's units; P9, in seconds, where it has a period.
+    """Certify a tube for the task: P1 to P7, P8 with limits, P9 with a period, P10 with a mission.
+
+    Each property has its margin in the task's units, P9 in seconds.
 
     Returns
     -------
