@@ -47,7 +47,7 @@ SLOWER = (1, 1.5, 2, 3, 4, 6)  # times the proved period
 class Result:
     """One arena: seconds of processor time for design and certificate."""
 
-    made: EmittedController | None
+    controller: EmittedController | None
     seconds: float
     reason: str = ""
 
@@ -69,9 +69,11 @@ def arena(seed: int) -> Result:
 def least_acceleration(task: Task) -> float:
     """4 length/t_c^2 of the shortest route for the least width, in the largest component."""
     lattice = lattice_of(task)
-    place = normalise(arena_of(task, lattice), lattice.exponent)
-    route = shortest_route(place, starting_box(place), np.full(place.dimension, place.min_width))
-    return float(4 * route.length * place.length_unit / place.time_unit**2)
+    normalised_arena = normalise(arena_of(task, lattice), lattice.exponent)
+    route = shortest_route(
+        normalised_arena, starting_box(normalised_arena), np.full(normalised_arena.dimension, normalised_arena.min_width)
+    )
+    return float(4 * route.length * normalised_arena.length_unit / normalised_arena.time_unit**2)
 
 
 def least_limit(name: str) -> str:
@@ -103,25 +105,27 @@ def periods(name: str) -> tuple[list[str], list[EmittedController]]:
     """Rows of what is proved under several limits, and the controllers with them."""
     free = build_task(inertial(name))
     push = Analysis(free).setting.closing_speed.max(axis=0)
-    rows, found = [], []
+    rows, controllers = [], []
     for factor in (1.1, 1.3, 2.0, None):
         control: dict[str, Any] = {} if factor is None else {"u_max": [f"{v * factor:.4g}" for v in push]}
-        one = build_task(free.task.changed(control=control), tube=free.design)
-        best = Analysis(one).gains.longest
+        controller = build_task(free.task.changed(control=control), tube=free.design)
+        best = Analysis(controller).gains.longest
         if best is None:
             rows.append(f"| {name} | {factor or 'none'} | none | | |")
             continue
         gain = [f"{v:.6g}" for v in best[0].tolist()]
-        one = build_task(one.task.changed(control={**control, "gain": gain}), tube=free.design)
-        found.append(one)
+        controller = build_task(controller.task.changed(control={**control, "gain": gain}), tube=free.design)
+        controllers.append(controller)
         u = ", ".join(f"{v:.3g}" for v in best[1].u)
-        rows.append(f"| {name} | {factor or 'none'} | {best[1].seconds * 1e3:.3g} | {u} | {failures(one, best[1].seconds)} |")
-    return rows, found
+        rows.append(
+            f"| {name} | {factor or 'none'} | {best[1].seconds * 1e3:.3g} | {u} | {failures(controller, best[1].seconds)} |"
+        )
+    return rows, controllers
 
 
-def failures(one: EmittedController, seconds: float) -> str:
+def failures(controller: EmittedController, seconds: float) -> str:
     """The shares of loops that leave their tubes at several times the period."""
-    told = []
+    percentages = []
     for factor in SLOWER:
         runs = [
             loop.run(
@@ -130,26 +134,30 @@ def failures(one: EmittedController, seconds: float) -> str:
                     disturbance=KINDS[1 + k % 5],
                     strength=float(PUSH),
                     seed=k,
-                    start=starts(one.certificate.start, 0.9, k, k % 2 == 0),
+                    start=starts(controller.certificate.start, 0.9, k, k % 2 == 0),
                 )
             )
-            for loop in (Loop(one, model) for model in within_bounds(one.task))
+            for loop in (Loop(controller, model) for model in within_bounds(controller.task))
             for k in range(10)
         ]
-        told.append(f"{100 * sum(not r.kept for r in runs) / len(runs):.0f}")
-    return ", ".join(told)
+        percentages.append(f"{100 * sum(not r.kept for r in runs) / len(runs):.0f}")
+    return ", ".join(percentages)
 
 
 def loops(tubes: list[EmittedController], count: int) -> tuple[str, bool]:
     """At the proved period and at 1 kHz in turn."""
-    pairs = [(one, Loop(one, model), Analysis(one).period) for one in tubes for model in within_bounds(one.task)]
-    hit = left = made = 0
-    for k, (one, loop, period) in enumerate(itertools.islice(itertools.cycle(pairs), count)):
+    pairs = [
+        (controller, Loop(controller, model), Analysis(controller).period)
+        for controller in tubes
+        for model in within_bounds(controller.task)
+    ]
+    hit = left = run_count = 0
+    for k, (controller, loop, period) in enumerate(itertools.islice(itertools.cycle(pairs), count)):
         rate = 1000.0 if period is None or k // len(pairs) % 2 else 1 / period.seconds
-        start = starts(one.certificate.start, 0.9, k, k % 3 == 0)
+        start = starts(controller.certificate.start, 0.9, k, k % 3 == 0)
         run = loop.run(Scenario(rate=max(rate, 1.0), disturbance=KINDS[1 + k % 5], strength=float(PUSH), seed=k, start=start))
-        hit, left, made = hit + (run.hit is not None), left + (not run.kept), made + 1
-    return f"{made} closed loops in {len(tubes)} tubes: {hit} collisions, {left} tubes left", not hit and not left
+        hit, left, run_count = hit + (run.hit is not None), left + (not run.kept), run_count + 1
+    return f"{run_count} closed loops in {len(tubes)} tubes: {hit} collisions, {left} tubes left", not hit and not left
 
 
 def steps(board: str) -> list[str]:
@@ -157,7 +165,7 @@ def steps(board: str) -> list[str]:
     from benchmarks.suites.mcu import measured
     from stt_codegen.board.boards import BOARDS
 
-    found = []
+    rows = []
     for math in ("libm", "inline"):
         task = inertial("omni_s2").changed(emit={"math": math})
         try:
@@ -165,8 +173,8 @@ def steps(board: str) -> list[str]:
         except MissingTool as error:
             return [f"not counted: {error}"]
         taken = f"{line.least:.0f} to {line.most:.0f}"
-        found.append(f"| {board}, {math} | {taken} | {line.stack} | {line.code} | {line.tables} | {line.within} |")
-    return found
+        rows.append(f"| {board}, {math} | {taken} | {line.stack} | {line.code} | {line.tables} | {line.within} |")
+    return rows
 
 
 def main() -> int:
@@ -178,8 +186,8 @@ def main() -> int:
     options = parser.parse_args()
     build_task(inertial("omni_s2"))  # imports are warm
     results = [arena(seed) for seed in range(options.count)]
-    good, took = [r for r in results if r.made is not None], 1e3 * np.array([r.seconds for r in results])
-    missed = [seed for seed, r in enumerate(results) if r.made is None and first_order(seed)]
+    good, took = [r for r in results if r.controller is not None], 1e3 * np.array([r.seconds for r in results])
+    missed = [seed for seed, r in enumerate(results) if r.controller is None and first_order(seed)]
     lines = [
         "| arenas | certified | ms, median / 95 % |",
         "|---|---|---|",
@@ -198,10 +206,10 @@ def main() -> int:
         rows, tubes = periods(name)
         lines += rows
         proved += tubes
-    told, kept = loops([*proved, *(r.made for r in good[:8] if r.made is not None)], options.loops)
+    summary, all_kept = loops([*proved, *(r.controller for r in good[:8] if r.controller is not None)], options.loops)
     lines += [
         "",
-        told,
+        summary,
         "",
         "| control | instructions | stack, B | code, B | tables, B | within its bounds |",
         "|---|---|---|---|---|---|",
@@ -211,7 +219,7 @@ def main() -> int:
     print(text)
     if options.record:
         record(options.record, "inertia", f"## Plants of order 2\n\nMade by `{command()}`; {machine()}.\n\n{text}")
-    return 0 if kept and not missed else 1
+    return 0 if all_kept and not missed else 1
 
 
 if __name__ == "__main__":

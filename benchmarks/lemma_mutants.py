@@ -428,95 +428,99 @@ def _windows() -> list[float]:
 
 def _setting() -> list[float]:
     task, tube, error = _probed()
-    made = loops.loop_of(task, tube, error)
+    loop = loops.loop_of(task, tube, error)
     falling = np.array([[3.0, 1.0], [2.0, 5.0], [4.0, 4.5]])
     both = [
         sampled_loop.worst_with_previous_window(falling, np.maximum),
         sampled_loop.worst_with_previous_window(falling, np.minimum),
     ]
-    return _numbers_of([made, made.longest_age, made.with_law(latency=0.0).longest_age, *both])
+    return _numbers_of([loop, loop.longest_age, loop.with_law(latency=0.0).longest_age, *both])
 
 
 def _period() -> list[float]:
     task, tube, error = _probed()
     loop, age = loops.exact_loop(task, tube, error), Fraction("0.0012")
-    found: list[Any] = []
+    values: list[Any] = []
     for rho in ((25, 30), (21, 40), (18, 30), (1e4, 30), (60, 25)):
         e = tuple(map(Fraction, rho))
-        found += [periods.inputs_where_proved(loop, e, age * k) for k in (1, 20, 1000)]
+        values += [periods.inputs_where_proved(loop, e, age * k) for k in (1, 20, 1000)]
     for k, rho in itertools.product(range(4), ((3, 5), (25, 30), (2, 10**5))):
         e = np.array([Fraction(v) for v in rho], dtype=object)
         free, blind = loop.with_law(u_max=np.full(2, np.inf)), loop.with_law(shift=np.array([Fraction(2)] * 2))
-        found += [sampling_conditions.input_bound(v.window(k), e) for v in (loop, free, blind)]
-        for u in (found[-3], found[-3] * 20):
+        values += [sampling_conditions.input_bound(v.window(k), e) for v in (loop, free, blind)]
+        for u in (values[-3], values[-3] * 20):
             conditions = sampling_conditions.sharp_under(loop.window(k), e, age, u, loop.closing_speed[k])
-            found.append(sampling_conditions.first_failing(conditions) or 0)
+            values.append(sampling_conditions.first_failing(conditions) or 0)
     logarithms = [enclosed.logarithm(Fraction(v)) for v in (1.5, 1.001, 77, 1e6)]
-    return _numbers_of([found, logarithms, loop.longest_age, loop.law.shift, loop.law.eps_at_clamp, loop.start])
+    return _numbers_of([values, logarithms, loop.longest_age, loop.law.shift, loop.law.eps_at_clamp, loop.start])
 
 
 def _update() -> list[float]:
     times = [0.25 * k for k in range(13)]
     steps = alpha_curves.Steps(Fraction(1, 100), Fraction(1, 20), 1e-5, 2.0**-24)
-    found: list[Any] = [steps.minimum, steps.reach]
+    values: list[Any] = [steps.minimum, steps.reach]
     for psi, theta in (([0.3, 0.1, 0.05, 0.2, 0.5, 0.9] * 2, [0.02, 0.2, 0.4, 0.1, 0.01, 1e-5] * 2), ([0.4] * 12, [0.05] * 12)):
         both = [alpha_curves.upper_curve, alpha_curves.lower_curve]
-        found += [curve(times, [*psi, 0.3], [*theta, 0.1], 5.0, steps) for curve in both]
-        found += [alpha_curves.extremes_ahead(np.array(times), np.array(psi), 0.3, largest) for largest in (True, False)]
-    found.append(alpha_curves.upper_curve(times, [0.1] * 13, [0.1] * 13, 1e-9, steps))
+        values += [curve(times, [*psi, 0.3], [*theta, 0.1], 5.0, steps) for curve in both]
+        values += [alpha_curves.extremes_ahead(np.array(times), np.array(psi), 0.3, largest) for largest in (True, False)]
+    values.append(alpha_curves.upper_curve(times, [0.1] * 13, [0.1] * 13, 1e-9, steps))
     for side in (1, -1):
-        made = alpha_curves.Curve(side, 1e-5, 5.0, 1.001, 0.1)
-        found += [made.root(p, q) for p in (-2.0, 0.0, 0.5) for q in (0.0, 1e-61, 1e-3, 2.0)]
-        found += [made.beyond(z, 0.5, 2.0) for z in (1e-3, 1.2, 1.45, 9.0)] + [made.balance(0.5, v) for v in (1e-9, 3.0)]
-    return _numbers_of(found)
+        curve_of_side = alpha_curves.Curve(side, 1e-5, 5.0, 1.001, 0.1)
+        values += [curve_of_side.root(p, q) for p in (-2.0, 0.0, 0.5) for q in (0.0, 1e-61, 1e-3, 2.0)]
+        values += [curve_of_side.beyond(z, 0.5, 2.0) for z in (1e-3, 1.2, 1.45, 9.0)] + [
+            curve_of_side.balance(0.5, v) for v in (1e-9, 3.0)
+        ]
+    return _numbers_of(values)
 
 
 def _rows() -> list[float]:
     task = stt.parse(TASK)  # anew: sets keep their faces
     rows._lowest_value_terms.cache_clear()
-    made = [
+    simple_constraints = [
         rows.width_constraints(task),
         rows.initial_state_constraints(task),
         rows.start_constraints(task),
         rows.stay_constraints(task),
         rows.reach_constraints(task),
     ]
-    every = [
-        row for part in (*made, rows.speed_constraints(task), *(a.alternatives for a in rows.avoidances(task))) for row in part
+    all_constraints = [
+        row
+        for part in (*simple_constraints, rows.speed_constraints(task), *(a.alternatives for a in rows.avoidances(task)))
+        for row in part
     ]
-    about = [(row.size, row.bound_from((Fraction(1), Fraction(3))), row.distance_error, row.dimension) for row in every]
+    about = [(row.size, row.bound_from((Fraction(1), Fraction(3))), row.distance_error, row.dimension) for row in all_constraints]
     faces = [
         [s.faces, s.support((2, -3)), s.grown((Fraction(1), Fraction(2))).faces, s.vertices, s.span(0)] for s in task.obstacles
     ]
     faces += [sets.GrownSet(s, (Fraction(1), Fraction(2))).support((2, -3)) for s in task.obstacles]
     lows = [sets.minimum_over_box(n, (Fraction(1), Fraction(2)), (Fraction(5), Fraction(7))) for n in ((1, 2), (-1, 3), (0, -2))]
-    return _numbers_of([every, about, faces, lows, len(rows.avoidances(task))])
+    return _numbers_of([all_constraints, about, faces, lows, len(rows.avoidances(task))])
 
 
 def _slack() -> list[float]:
     draw = random.Random(7)
     bezier = np.array([[[[draw.randint(-60, 60) for _ in range(4)] for _ in range(2)] for _ in range(2)] for _ in range(4)])
-    made = [rows.Constraint(((0, 0, 1),), Fraction(-70)), rows.Constraint(((1, 1, -1),), Fraction(-211, 3))]
+    bounds = [rows.Constraint(((0, 0, 1),), Fraction(-70)), rows.Constraint(((1, 1, -1),), Fraction(-211, 3))]
     slanted = [
         rows.Constraint(((0, 0, 2), (1, 1, -3)), Fraction(7, 3), Fraction(1), 5),
         rows.Constraint(((1, 0, 1), (1, 1, 1)), Fraction(-99)),
     ]
-    chosen = [rows.Avoidance("a", tuple(slanted)), rows.Avoidance("b", (made[0], slanted[0]))]
+    chosen = [rows.Avoidance("a", tuple(slanted)), rows.Avoidance("b", (bounds[0], slanted[0]))]
     unit = Fraction(1, 2)
     blocks = [
-        slack.ConstraintBlock.of(made, unit),
-        slack.ConstraintBlock.of([*made, *slanted], unit),
+        slack.ConstraintBlock.of(bounds, unit),
+        slack.ConstraintBlock.of([*bounds, *slanted], unit),
         slack.ConstraintBlock.choice(chosen, unit),
     ]
-    found: list[Any] = [slack.halves(bezier.astype(object) * Fraction(1)), slack.units_above(Fraction(7, 3), unit)]
+    values: list[Any] = [slack.halves(bezier.astype(object) * Fraction(1)), slack.units_above(Fraction(7, 3), unit)]
     for block in blocks:
-        told = block.slack_by_constraint(bezier)
-        found += [told, block.slack_of_block(told), block.slack(bezier)]
-        found += [
+        slacks = block.slack_by_constraint(bezier)
+        values += [slacks, block.slack_of_block(slacks), block.slack(bezier)]
+        values += [
             [w.slack, w.constraint, w.set_index]
             for w in (slack.smallest_slack(bezier, block, Fraction(v)) for v in (0, 5, 40, -90))
         ]
-    return _numbers_of(found)
+    return _numbers_of(values)
 
 
 def _arithmetic() -> list[float]:

@@ -241,9 +241,9 @@ def broken(task: Task, design: RefinedDesign, dice: Random) -> bool:
     atoms_named = set(regions_of_states(formula))
     for x in trajectories(design, dice, t):
         atoms = {}
-        for one in atoms_named:
-            found = inside(task, one.region, x, -1e-7 if one.is_negated else 1e-7)
-            atoms[one] = ~found if one.is_negated else found
+        for region_state in atoms_named:
+            is_inside = inside(task, region_state.region, x, -1e-7 if region_state.is_negated else 1e-7)
+            atoms[region_state] = ~is_inside if region_state.is_negated else is_inside
         if not evaluated(formula, t, atoms, endless)[0]:
             return True
     return False

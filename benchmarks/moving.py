@@ -92,23 +92,23 @@ def movers(seed: int, n: int, count: int, fastest: float, size: float, end: floa
             return Movers(low, velocity, size, end, np.arange(count) % 2 * mixed)
 
 
-def task_of(found: Movers, timing: float | None = None, **more: Any) -> Task:
-    n, doubt = found.low.shape[1], {} if timing is None else {"timing": timing}
+def task_of(movers: Movers, timing: float | None = None, **more: Any) -> Task:
+    n, doubt = movers.low.shape[1], {} if timing is None else {"timing": timing}
     return Task(
         name="movers",
-        prescribed_time=found.end,
+        prescribed_time=movers.end,
         initial_state=[BOX / 2] * n,
         state_space={"lower": [0] * n, "upper": [SIDE] * n},
         initial_set={"lower": [0] * n, "upper": [BOX] * n},
         target_set={"lower": [SIDE - BOX] * n, "upper": [SIDE] * n},
-        unsafe=[{**found.table(j), **doubt} for j in range(len(found.low))],
+        unsafe=[{**movers.table(j), **doubt} for j in range(len(movers.low))],
         **more,
     )
 
 
-def leaves_a_way(found: Movers, reach: float) -> bool:
+def leaves_a_way(movers: Movers, reach: float) -> bool:
     """Cells and steps, each free where its middle keeps `reach` from every set at both ends of the step before it."""
-    n, count = found.low.shape[1], round(SIDE / CELL)
+    n, count = movers.low.shape[1], round(SIDE / CELL)
     middle = (np.arange(count) + 0.5) * CELL
     alive: npt.NDArray[np.bool_] = np.zeros((count,) * n, dtype=bool)
     alive[(int(BOX / 2 / CELL),) * n] = True
@@ -122,16 +122,16 @@ def leaves_a_way(found: Movers, reach: float) -> bool:
                 wide[tuple(behind)] |= alive[tuple(ahead)]
                 alive = wide
         for at in {max(k - 1, 0), k}:
-            low = found.low + found.velocity * (found.end * at / STEPS)
+            low = movers.low + movers.velocity * (movers.end * at / STEPS)
             for j in range(len(low)):
-                if found.round[j]:
-                    centre, gaps = low[j] + found.size / 2, 0.0
+                if movers.round[j]:
+                    centre, gaps = low[j] + movers.size / 2, 0.0
                     for i in range(n):
                         gap = np.maximum(np.abs(middle - centre[i]) - reach, 0) ** 2
                         gaps = gaps + gap.reshape([-1 if q == i else 1 for q in range(n)])
-                    alive &= np.asarray(gaps) >= (found.size / 2) ** 2
+                    alive &= np.asarray(gaps) >= (movers.size / 2) ** 2
                 else:
-                    spans = [np.searchsorted(middle, (v - reach, v + found.size + reach)) for v in low[j]]
+                    spans = [np.searchsorted(middle, (v - reach, v + movers.size + reach)) for v in low[j]]
                     alive[tuple(slice(int(a), int(b)) for a, b in spans)] = False
         alive &= _inside(middle, reach, n)
     goal = (middle > SIDE - BOX + reach) & (middle < SIDE - reach)
@@ -209,7 +209,7 @@ class Result:
     """What came of one arena; seconds of processor time for design and certificate."""
 
     way: bool
-    made: EmittedController | None
+    controller: EmittedController | None
     seconds: float
     reason: str = ""
 
@@ -228,11 +228,13 @@ def run(task: Task, way: bool) -> Result:
 
 
 def row(name: str, results: list[Result]) -> str:
-    good = [r for r in results if r.made is not None]
+    good = [r for r in results if r.controller is not None]
     ways, took = [r for r in results if r.way], 1e3 * np.array([r.seconds for r in results])
-    width = np.array([float(r.made.certificate.minimum_width) for r in good if r.made]) if good else np.array([np.nan])
-    speed = np.array([float(max(r.made.certificate.speed)) for r in good if r.made]) if good else np.array([np.nan])
-    counted = f"{sum(r.made is not None for r in ways)} of {len(ways)}", f"{len(good)} of {len(results)}"
+    width = (
+        np.array([float(r.controller.certificate.minimum_width) for r in good if r.controller]) if good else np.array([np.nan])
+    )
+    speed = np.array([float(max(r.controller.certificate.speed)) for r in good if r.controller]) if good else np.array([np.nan])
+    counted = f"{sum(r.controller is not None for r in ways)} of {len(ways)}", f"{len(good)} of {len(results)}"
     times = f"{np.median(took):.0f} / {np.percentile(took, 95):.0f}"
     widths = f"{np.median(width):.3g} / {width.min():.3g}"
     return f"| {name} | {counted[0]} | {counted[1]} | {times} | {widths} | {np.median(speed):.3g} |"
@@ -244,18 +246,18 @@ def loops(tubes: list[EmittedController], count: int) -> tuple[str, bool]:
     from stt_codegen.plants import PLANTS
     from stt_codegen.report.analysis import Analysis
 
-    found = [(Loop(one, PLANTS["integrator"]), Analysis(one).period, one) for one in tubes]
-    hit = left = made = 0
-    for k, (loop, period, one) in enumerate(itertools.islice(itertools.cycle(found), count)):
+    loops_of_tubes = [(Loop(controller, PLANTS["integrator"]), Analysis(controller).period, controller) for controller in tubes]
+    hit = left = run_count = 0
+    for k, (loop, period, controller) in enumerate(itertools.islice(itertools.cycle(loops_of_tubes), count)):
         kind, clock = KINDS[1 + k % (len(KINDS) - 1)], ("late", "early", "worst")[k % 3]
         rate = 1000.0 if period is None else max(1.0 / period.seconds, 100.0)
-        start = starts(one.certificate.start, 0.9, k)
+        start = starts(controller.certificate.start, 0.9, k)
         run_ = loop.run(
             Scenario(rate=rate, disturbance=kind, strength=0.0 if period is None else 0.05, seed=k, start=start, clock=clock)
         )
-        hit, left, made = hit + (run_.hit is not None), left + (not run_.kept), made + 1
-    told = f"{made} closed loops in {len(tubes)} tubes, clocks late, early and worst in turn: {hit} collisions, {left} tubes left"
-    return told, not hit and not left
+        hit, left, run_count = hit + (run_.hit is not None), left + (not run_.kept), run_count + 1
+    clocks = "clocks late, early and worst in turn"
+    return f"{run_count} closed loops in {len(tubes)} tubes, {clocks}: {hit} collisions, {left} tubes left", not hit and not left
 
 
 def main() -> int:
@@ -276,22 +278,27 @@ def main() -> int:
     results["crossing"] = [run(crossing(), True)]
     results["five"] = [run(room(DISCS), True)]
     for count in (10, 30, 100):
-        found = []
+        outcomes = []
         for s in range(max(1, options.count // 2)):
             try:
-                found.append(run(room(random_discs(s, count)), True))
+                outcomes.append(run(room(random_discs(s, count)), True))
             except BadInput as error:  # a disc at the start, or over the target
-                found.append(Result(False, None, 0.0, str(error)))
-        results[f"discs{count}"] = found
-    lines += [row(name, found) for name, found in results.items()]
-    missed = [(name, k, r.reason) for name, found in results.items() for k, r in enumerate(found) if r.way and r.made is None]
+                outcomes.append(Result(False, None, 0.0, str(error)))
+        results[f"discs{count}"] = outcomes
+    lines += [row(name, outcomes) for name, outcomes in results.items()]
+    missed = [
+        (name, k, r.reason)
+        for name, outcomes in results.items()
+        for k, r in enumerate(outcomes)
+        if r.way and r.controller is None
+    ]
     lines += ["", *(f"{name} {k}: {reason}" for name, k, reason in missed)]
     delayed = []
     for f in four[: max(1, options.loops // 100)]:
-        made = run(task_of(f, timing=DOUBT, start_delay=DOUBT), True).made
-        delayed += [] if made is None else [made]
-    told, kept = loops(delayed, options.loops)
-    lines += ["", told]
+        controller = run(task_of(f, timing=DOUBT, start_delay=DOUBT), True).controller
+        delayed += [] if controller is None else [controller]
+    summary, kept = loops(delayed, options.loops)
+    lines += ["", summary]
     lines += ["", *NOTES]
     text = "\n".join(lines)
     print(text)

@@ -69,17 +69,17 @@ def corridors(rng: random.Random) -> list[list[bool]]:
     """Free cells of a maze: all of even numbers, and doors of a spanning tree and of some more."""
     size = rng.choice((2, 3, 3, 4))
     free = [[i % 2 == 0 and j % 2 == 0 for j in range(2 * size - 1)] for i in range(2 * size - 1)]
-    seen, stack = {(0, 0)}, [(0, 0)]
+    visited, stack = {(0, 0)}, [(0, 0)]
     while stack:
         i, j = stack[-1]
         near = [(i + a, j + b) for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))]
-        near = [v for v in near if v not in seen and min(v) >= 0 and max(v) < size]
+        near = [v for v in near if v not in visited and min(v) >= 0 and max(v) < size]
         if not near:
             stack.pop()
             continue
         p, q = rng.choice(near)
         free[i + p][j + q] = True
-        seen.add((p, q))
+        visited.add((p, q))
         stack.append((p, q))
     for i in range(2 * size - 1):
         for j in range(2 * size - 1):
@@ -245,16 +245,16 @@ def judge(seed: int, parts: int, checked: bool) -> Verdict:
         return Verdict(fault, True, len(task.unsafe), 0.0)
     begin = time.process_time()
     try:
-        made = build_task(task)
+        controller = build_task(task)
     except NotCertified:
         return Verdict("refused", has_way(drawn), len(task.unsafe), time.process_time() - begin)
     seconds = time.process_time() - begin
     axes = drawn.axes or (0, 1)
     body = [Fraction(0)] * task.dimension if task.body is None else list(task.body)
-    outside = times_outside(room, made.design, axes, body, Fraction(str(CLEARANCE)), parts)
+    outside = times_outside(room, controller.design, axes, body, Fraction(str(CLEARANCE)), parts)
     if outside:
         return Verdict(f"{len(outside)} times outside, first at {float(outside[0]):g} s", True, len(task.unsafe), seconds)
-    problem = objection(made.files) if checked else ""
+    problem = objection(controller.files) if checked else ""
     return Verdict(problem or "certified", has_way(drawn), len(task.unsafe), seconds)
 
 

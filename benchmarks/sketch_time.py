@@ -155,11 +155,11 @@ def tube_time(controller: EmittedController, steps: int, core: list[Path]) -> tu
     """Samples, the farthest that tube and clock were apart (seconds), how far they may be, and late steps."""
     task = controller.task
     with tempfile.TemporaryDirectory() as name:
-        told = run(["simavr", "-m", "atmega328p", "-f", "16000000", image(controller, steps, core, Path(name))], Path(name))
-    lines = (DECORATION.sub("", line) for line in told.splitlines())
+        output = run(["simavr", "-m", "atmega328p", "-f", "16000000", image(controller, steps, core, Path(name))], Path(name))
+    lines = (DECORATION.sub("", line) for line in output.splitlines())
     rows = [[int(line[k : k + 8], 16) for k in (0, 8, 16)] for line in lines if re.fullmatch(r"[0-9a-f]{24}", line)]
     if len(rows) != steps:
-        raise SystemExit(f"{task.name}: {len(rows)} samples for {steps}: {told[-500:]}")
+        raise SystemExit(f"{task.name}: {len(rows)} samples for {steps}: {output[-500:]}")
     by_ticks, cycle, worst = (
         task.emit.tick_period is not None and task.control.outside == "return",
         cycle_of(controller.design),
@@ -201,7 +201,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--steps", type=int, default=150)
     parser.add_argument("--count", type=int, default=60)
-    given = parser.parse_args()
+    options = parser.parse_args()
     for tool in ("avr-gcc", "simavr"):
         if shutil.which(tool) is None:
             raise MissingTool(f"{tool} is not found; install (Debian names): gcc-avr avr-libc simavr arduino-core-avr")
@@ -210,7 +210,7 @@ def main() -> int:
         core = core_objects(Path(folder))
         for variant, (name, changed) in SKETCHES.items():
             controller = build_task(load_task(ROOT / "tasks" / f"{name}.toml").changed(**changed))
-            samples, worst, limit, late = tube_time(controller, given.steps, core)
+            samples, worst, limit, late = tube_time(controller, options.steps, core)
             good &= worst <= limit
             figures = [f"{float(v) * 1e6:,.1f}" for v in (worst, limit)]
             rows.append([f"{name}, {variant}", str(samples), *figures, str(late), "yes" if worst <= limit else "NO"])
@@ -219,7 +219,7 @@ def main() -> int:
     for name in COUNTED:
         task = load_task(ROOT / "tasks" / f"{name}.toml")
         for kind, controller in (*((k, in_floats(task, k)) for k in ("libm", "inline")), ("integers", build_task(limited(task)))):
-            known, most = step_cycles(controller), counted(controller, given.count)
+            known, most = step_cycles(controller), counted(controller, options.count)
             assert known is not None
             off = known / most - 1
             good &= abs(off) <= ERROR

@@ -141,20 +141,20 @@ class Tried:
     arrived: int
 
 
-def tried(made: GridController, boxes: Array, runs: int = 1000, seed: int = 1, step: float = 1e-3) -> Tried:
+def tried(controller: GridController, boxes: Array, runs: int = 1000, seed: int = 1, step: float = 1e-3) -> Tried:
     """Closed loops of the very plant that the abstraction is of. The wind is at a random corner of its box in every period, and
     states are looked at every `step` seconds."""
-    a, n, random = made.abstraction, made.family.dimension, np.random.default_rng(seed)
+    a, n, random = controller.abstraction, controller.family.dimension, np.random.default_rng(seed)
     period, count = float(a.period), round(float(a.period) / step)
     inputs = np.append(np.array(a.inputs(n), dtype=float), np.zeros((1, n + 1)), axis=0)  # the last where there is none
     x = random.uniform(0, BOX, (runs, n))
     heading = random.uniform(-math.pi, math.pi, runs)
     hit, sampled = np.zeros(runs, dtype=bool), np.zeros(runs, dtype=bool)
-    for _ in range(math.floor(Fraction(made.family.prescribed_time) / a.period)):
+    for _ in range(math.floor(Fraction(controller.family.prescribed_time) / a.period)):
         sampled |= _inside(x, boxes)
-        cell = np.clip((x * a.cells / made.family.side).astype(int), 0, a.cells - 1)
+        cell = np.clip((x * a.cells / controller.family.side).astype(int), 0, a.cells - 1)
         at = np.floor((heading + math.pi) * a.headings / (2 * math.pi)).astype(int) % a.headings
-        u = inputs[np.minimum(made.table[(*cell.T, at)], len(inputs) - 1)]
+        u = inputs[np.minimum(controller.table[(*cell.T, at)], len(inputs) - 1)]
         w = float(a.w_max) * random.choice([-1.0, 1.0], (runs, n + 1))
         for _ in range(count):
             middle = heading + (u[:, n] + w[:, n]) * period / count / 2
@@ -162,7 +162,7 @@ def tried(made: GridController, boxes: Array, runs: int = 1000, seed: int = 1, s
             x = x + (way + w[:, :n]) * period / count
             heading = heading if a.headings == 1 else heading + (u[:, n] + w[:, n]) * period / count
             hit |= _inside(x, boxes)
-    there = (x >= made.family.side - BOX).all(axis=1) & (x <= made.family.side).all(axis=1)
+    there = (x >= controller.family.side - BOX).all(axis=1) & (x <= controller.family.side).all(axis=1)
     return Tried(runs, int(sampled.sum()), int((hit & ~sampled).sum()), int(there.sum()))
 
 
