@@ -180,8 +180,10 @@ def _advice(task: Task, loop: SampledLoop, age: Fraction) -> str:
         seconds = min(_below(limited[2].seconds - latency), float(age) - latency)
         u_max = by_component(limited[0].tolist())
         remedies.append(f"control.u_max = {u_max} and control.period = {seconds:.6g} with gain {written(limited[1])}")
-    nothing = "no gain is proved for any period: widen or slow the tube, or state a milder plant"
-    return f"use {', or '.join(remedies)}" if remedies else nothing
+    if remedies:
+        return f"use {', or '.join(remedies)}"
+    limits = "" if task.u_max is None else " with this control.u_max"  # another one, smaller too, is not searched for
+    return f"none of the gains tried is proved for any period{limits}: widen or slow the tube, or state a milder plant"
 
 
 def _below(seconds: float) -> float:

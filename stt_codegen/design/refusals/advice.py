@@ -80,7 +80,7 @@ def _explain_limits(task: Task, arena: Arena, limits: dict[str, OptionValue], ha
     """Return the message where the limits leave no tube. Every value in it was tried, as it is printed."""
     remedies = list(_remedies(task, arena, limits, has_tube))
     bounds = " and ".join(f"{name} {_shown(value)}" for name, value in limits.items())
-    remedy = ", or ".join(remedies) or "no value of one alone would do; leave both out"
+    remedy = ", or ".join(remedies) or f"no multiple of one of them alone would do; try without {' and '.join(limits)}"
     is_period_open = bool(remedies) and task.control.period is not None
     period = "; whether control.period is proved then shows in the next run" if is_period_open else ""
     rates = [word for name, word in (("tube.max_speed", "speed"), ("tube.max_acceleration", "acceleration")) if name in limits]
