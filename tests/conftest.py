@@ -1,4 +1,4 @@
-"""Fixtures of all tests: tools that may be absent, and the browser of the page's tests."""
+"""Fixtures of all tests: system tools that may be missing, and the browser that opens pages of the report."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.support.absent import absent
-from tests.support.pages import browser, opened  # noqa: F401 (fixtures of test_page_drive.py and test_page_seen.py)
+from tests.support.missing_tools import skip_without
+from tests.support.pages import browser, open_page  # noqa: F401 (fixtures of test_page_drive.py and test_page_seen.py)
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -21,12 +21,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture
 def tool() -> Callable[[str], str]:
-    """The path of a system tool: a visible skip without it, a failure in CI."""
+    """Return a function from a tool's name to its path; without the tool the test is skipped, and fails in CI."""
 
     def find(name: str) -> str:
-        found = shutil.which(name)
-        if found is None:
-            absent(f"{name} is not installed; `.ci/tools test` installs it")
-        return found
+        path = shutil.which(name)
+        if path is None:
+            skip_without(f"{name} is not installed; `.ci/tools test` installs it")
+        return path
 
     return find

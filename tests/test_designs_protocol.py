@@ -25,9 +25,9 @@ from tests.support.design_kinds import (
     REQUIRE,
     IsRead,
     Source,
-    comparisons,
     is_called_a_kind,
-    lists_of_all_kinds,
+    lines_that_compare_kinds,
+    lines_that_list_all_kinds,
 )
 from tests.support.mypy_records import reads_of, run_mypy
 
@@ -146,10 +146,13 @@ def test_a_comparison_in_a_template_is_seen(text: str, is_seen: bool) -> None:
 
 
 def test_no_benchmark_compares_kinds_or_lists_them() -> None:
-    hits = {str(p.relative_to(ROOT)): (comparisons(p.read_text()), lists_of_all_kinds(p.read_text())) for p in SCRIPTS}
+    hits = {
+        str(p.relative_to(ROOT)): (lines_that_compare_kinds(p.read_text()), lines_that_list_all_kinds(p.read_text()))
+        for p in SCRIPTS
+    }
     assert {path: lines for path, lines in hits.items() if any(lines)} == {}
-    assert comparisons('job.design == "refined"') == comparisons('d in ("adaptive", "x")') == [1]
-    assert lists_of_all_kinds('("literal", "refined", "adaptive")') == [1]
+    assert lines_that_compare_kinds('job.design == "refined"') == lines_that_compare_kinds('d in ("adaptive", "x")') == [1]
+    assert lines_that_list_all_kinds('("literal", "refined", "adaptive")') == [1]
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,8 @@ from stt_codegen.theorem.asking import library
 from tests.support.controllers import ROOT
 from tests.support.mypy_reads import record_of
 from tests.support.mypy_records import reads_of, run_mypy
-from tests.support.unused import House, Module
-from tests.support.unused_coq import WORD, unreferenced, unused_in
+from tests.support.unused import Module, UseCensus
+from tests.support.unused_coq import WORD, unreferenced_names, unused_definitions
 
 CACHE = ROOT / ".mypy_cache"
 PACKAGE = sorted((ROOT / "stt_codegen").rglob("*.py"))
@@ -53,10 +53,10 @@ def names_in_templates(folder: Path) -> Iterator[str]:
 
 
 @functools.cache
-def house() -> House:
+def use_census() -> UseCensus:
     run_mypy(ROOT)
-    result = House([module_of(ROOT, p) for p in (*PACKAGE, *SCRIPTS)])
-    result.unknown |= set(names_in_templates(ROOT / "templates")) | set(names_in_templates(ROOT / "stt_codegen"))
+    result = UseCensus([module_of(ROOT, p) for p in (*PACKAGE, *SCRIPTS)])
+    result.members_of_unknown_class |= set(names_in_templates(ROOT / "templates")) | set(names_in_templates(ROOT / "stt_codegen"))
     return result
 
 
@@ -64,7 +64,7 @@ def house() -> House:
 def test_no_member_stands_unused() -> None:
     """Fields, methods and properties are read of a value of their class somewhere in the package, or of a value of unknown class."""
     unused = {
-        f"{c.name}.{name}": c.module.name for c, name in house().members_unused() if c.module.name.startswith("stt_codegen")
+        f"{c.name}.{name}": c.module.name for c, name in use_census().unused_members() if c.module.name.startswith("stt_codegen")
     }
     unused = {name: module for name, module in unused.items() if not module.startswith(PUBLIC)}
     assert {name: module for name, module in unused.items() if name not in USED_ELSEWHERE} == {}
@@ -74,7 +74,7 @@ def test_no_member_stands_unused() -> None:
 @pytest.mark.xdist_group("unused")
 def test_no_name_stands_unused() -> None:
     """Functions, classes and constants are read in another statement of their module, or imported by the package or a benchmark."""
-    unused = [f"{m.name}.{name}" for m, name in house().names_unused() if m.name.startswith("stt_codegen")]
+    unused = [f"{m.name}.{name}" for m, name in use_census().unused_names() if m.name.startswith("stt_codegen")]
     entries = (ROOT / "pyproject.toml").read_text()
     assert [name for name in unused if not name.startswith(PUBLIC) and ":".join(name.rsplit(".", 1)) not in entries] == []
 
@@ -186,13 +186,13 @@ def test_a_dead_member_does_not_hide_behind_a_living_one(tmp_path: Path) -> None
         (tmp_path / name).write_text(text)
     (tmp_path / "pyproject.toml").write_text(CONFIGURED.format(plugin=ROOT / "tests" / "support" / "mypy_reads.py"))
     run_mypy(tmp_path)
-    sample = House([module_of(tmp_path, tmp_path / name) for name in SAMPLE])
-    members = {f"{c.name}.{name}" for c, name in sample.members_unused()}
+    sample = UseCensus([module_of(tmp_path, tmp_path / name) for name in SAMPLE])
+    members = {f"{c.name}.{name}" for c, name in sample.unused_members()}
     living = {"Grid.room"}
     assert {m for m in members if "dead" not in m} == living
     defined = {f"{c.name}.{name}" for c in sample.classes.values() for name in c.members if "dead" in name}
     assert members - living == defined
-    names = {name for _, name in sample.names_unused()}
+    names = {name for _, name in sample.unused_names()}
     assert names == {name for name in sample.modules["sample.parts"].definitions if "dead" in name.lower()}
 
 
@@ -256,7 +256,7 @@ def written_in_coq() -> list[str]:
 
 
 def test_no_definition_of_the_library_stands_unused() -> None:
-    unused = {re.sub(r"\.v, line \d+: ", ".", line): line for line in unused_in(library_texts(), written_in_coq())}
+    unused = {re.sub(r"\.v, line \d+: ", ".", line): line for line in unused_definitions(library_texts(), written_in_coq())}
     assert [line for name, line in unused.items() if name not in FOR_READERS] == []
     assert FOR_READERS - unused.keys() == set(), "take it off the list"
 
@@ -267,7 +267,7 @@ def test_no_definition_of_the_compiled_library_stands_unused(tool: Callable[[str
     """The same by coqc's index, which a bound variable of the same name does not mislead."""
     tool("coqc")
     outside = {word for text in written_in_coq() for word in WORD.findall(text)}
-    unused = unreferenced(library(), [name.removesuffix(".v") for name in library_texts()])
+    unused = unreferenced_names(library(), [name.removesuffix(".v") for name in library_texts()])
     assert {name for name in unused if name.split(".")[1] not in outside} == FOR_READERS
 
 
@@ -292,7 +292,7 @@ Definition dead_last := let p := Pair 1 2 in p.(second).
 
 
 def test_a_dead_definition_is_seen() -> None:
-    lines = unused_in(SMALL, ["Check used_in_template."])
+    lines = unused_definitions(SMALL, ["Check used_in_template."])
     assert lines == [
         "A.v, line 6: dead_lemma",
         "A.v, line 7: dead_recursion",

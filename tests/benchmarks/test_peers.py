@@ -25,7 +25,7 @@ from benchmarks.suites.families import FAMILIES, cubes, feasible
 from stt_codegen.errors import BadInput, MissingTool
 from stt_codegen.reference import transform
 from stt_codegen.sampling.sampling_conditions import sharp
-from tests.support.absent import absent
+from tests.support.missing_tools import skip_without
 
 PAPER = FAMILIES["paper"]
 OPEN = [s for s in range(40) if feasible(PAPER, s, 0.15)]
@@ -37,9 +37,9 @@ def needs(*names: str) -> None:
     """A visible skip without a peer, a failure in CI, where `make test` installs them."""
     for name in names:
         if name == "gcc" and not (shutil.which("gcc") or shutil.which("cc")):
-            absent("gcc is not installed")
+            skip_without("gcc is not installed")
         if name != "gcc" and importlib.util.find_spec(name) is None:
-            absent(f"{name} is not installed; the peers are optional: make peers")
+            skip_without(f"{name} is not installed; the peers are optional: make peers")
 
 
 def planners():

@@ -15,8 +15,8 @@ from benchmarks.suites import mcu, rivals
 from stt_codegen.board.boards import BOARDS
 from stt_codegen.board.emulated import Emulated
 from stt_codegen.program.targets.c.runner import CompiledC
-from tests.support.absent import absent
 from tests.support.controllers import controller_of
+from tests.support.missing_tools import skip_without
 
 
 @pytest.fixture
@@ -89,7 +89,7 @@ def test_the_whole_run_in_small(board: Any, monkeypatch: Any) -> None:
     rust = [v for v in document["beside"] if "Rust" in v["label"]]
     assert len(document["beside"]) - len(rust) == 9
     if not rust:
-        absent("Rust's core library for the board is not here; `.ci/tools integration` installs it")
+        skip_without("Rust's core library for the board is not here; `.ci/tools integration` installs it")
     assert [v["within"] for v in rust] == [True, True]
     one, three = (v["most"] for v in document["by_dimension"])
     assert 2 < three / one < 3  # linear, less what there is once

@@ -16,8 +16,8 @@ from stt_codegen.program.targets import TARGETS
 from stt_codegen.task.added_names import ADDED_NAMES
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
-from tests.support.absent import absent
 from tests.support.controllers import ROOT, built
+from tests.support.missing_tools import skip_without
 
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.key)
@@ -26,7 +26,7 @@ def test_every_language_is_within_its_bounds(target, name: str, design: str) -> 
     try:
         make = target.runner()
     except MissingTool as error:
-        absent(str(error))
+        skip_without(str(error))
     task = load_task(ROOT / "tasks" / f"{name}.toml")
     for scalar in target.scalars:
         controller = built(task.with_options(design, scalar, target.key if target.option else None))

@@ -33,8 +33,8 @@ from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
-from tests.support.absent import absent
 from tests.support.controllers import ROOT, built
+from tests.support.missing_tools import skip_without
 
 # Every shape that the template has: the library's logarithm, the one written out with ticks, alpha of the adaptive tube, order 2,
 # phases, wrapping, both guards.
@@ -354,7 +354,7 @@ def test_the_rust_on_a_board_is_within_the_bounds(name: str, tool) -> None:
         try:
             rows = compare_backend(controller, make, 100)
         except MissingTool as error:
-            absent(str(error))
+            skip_without(str(error))
         assert all(r.holds for r in rows)
         costs[rust] = max(b.counts["control"].summary().maximum for b in backends if "control" in b.counts)
     assert costs[True] <= 1.5 * costs[False]

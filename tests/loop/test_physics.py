@@ -10,7 +10,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from tests.support.absent import absent
+from tests.support.missing_tools import skip_without
 
 pytestmark = pytest.mark.xdist_group("physics")  # a worker builds the controllers once
 
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.xdist_group("physics")  # a worker builds the controlle
 @pytest.fixture(scope="module")
 def physics() -> ModuleType:
     if importlib.util.find_spec("mujoco") is None:
-        absent("mujoco is not installed; it is optional: make physics")
+        skip_without("mujoco is not installed; it is optional: make physics")
     module = importlib.import_module("benchmarks.physics")
     module.Bench = cache(module.Bench)
     return module

@@ -42,7 +42,7 @@ from stt_codegen.program.number import FORMATS, round_to, shortest, ulp_exponent
 from stt_codegen.program.operations import OPERATIONS, REAL
 from stt_codegen.program.targets import TARGETS
 from stt_codegen.program.targets.c.printer import CPrinter
-from tests.support.bank import float_neighbours, kernel_of, one_function_program, run_c, run_python
+from tests.support.bank import kernel_of, one_function_program, run_c, run_python, unit_in_last_place
 
 POINTS = [-2.5, -1.0, -0.75, -0.0, 0.0, 1e-3, 0.3, 0.5, 0.99, 1.0, 2.0, 7.25]
 POSITIVE = [1e-3, 0.3, 0.5, 0.99, 1.0, 2.0, 7.25]
@@ -113,7 +113,7 @@ def test_every_opcode_through_python_and_c_in_double_gives_casadis_number(name: 
         for reader, f in readers.items():
             got = f(x)[0]
             got = got[0] if isinstance(got, tuple) else got
-            assert abs(got - want) <= ulps * float_neighbours(want, "double"), (reader, x)
+            assert abs(got - want) <= ulps * unit_in_last_place(want, "double"), (reader, x)
 
 
 @pytest.mark.parametrize("name", BANK)
@@ -128,7 +128,7 @@ def test_every_opcode_through_c_in_float_is_rounded_once_an_operation(name: str,
     for x in exact:
         want = float(function(*x))
         terms = max(1.0, abs(want), *(abs(v) for v in x)) if name in ("sub", "constants", "sq") else abs(want)
-        assert abs(f(x)[0] - want) <= (len(kernel.body) + 1) * float_neighbours(terms, "float"), x
+        assert abs(f(x)[0] - want) <= (len(kernel.body) + 1) * unit_in_last_place(terms, "float"), x
 
 
 @pytest.mark.parametrize("name", BANK)

@@ -16,14 +16,14 @@ from tests.support.controllers import ROOT
 from tests.support.recipes import (
     PAGE,
     Sample,
-    astray,
+    changed_files,
     copy_of_the_repository,
-    follow,
-    in_copy,
-    places,
-    pytest_in_copy,
+    follow_recipe,
+    mismatches,
+    places_to_change,
+    run_in_copy,
+    run_pytest_in_copy,
     section,
-    touched,
 )
 
 TARGETS = "stt_codegen/program/targets"
@@ -263,7 +263,7 @@ def made(tmp_path_factory):
     def make(title: str) -> Path:
         if title not in copies:
             copies[title] = copy_of_the_repository(tmp_path_factory.mktemp("recipe"))
-            follow(SAMPLES[title], copies[title])
+            follow_recipe(SAMPLES[title], copies[title])
         return copies[title]
 
     return make
@@ -271,7 +271,7 @@ def made(tmp_path_factory):
 
 @pytest.mark.parametrize("title", SAMPLES)
 def test_a_recipe_names_the_places_that_its_sample_changes_and_no_others(title: str, made) -> None:
-    assert astray(places(SAMPLES[title].recipe), touched(made(title))) == []
+    assert mismatches(places_to_change(SAMPLES[title].recipe), changed_files(made(title))) == []
 
 
 def test_every_link_of_the_page_leads_somewhere() -> None:
@@ -291,16 +291,16 @@ def test_every_link_of_the_page_leads_somewhere() -> None:
     ],
 )
 def test_a_recipe_that_leads_astray_is_seen(named: set[str], changed: set[str], message: str) -> None:
-    assert message in astray(named, changed)
+    assert message in mismatches(named, changed)
 
 
 def test_new_files_of_a_folder_that_is_named_are_no_surprise() -> None:
-    assert astray({"docs", "README.md"}, {"docs/new/page.md", "README.md"}) == []
+    assert mismatches({"docs", "README.md"}, {"docs/new/page.md", "README.md"}) == []
 
 
 def test_places_are_the_links_in_bold() -> None:
     page = "## One\n1. **[a](x/a.py)** as [b](x/b.py), **bold**, **[c](x/c/)**\n## Two\n**[d](d)**\n"
-    assert places(section("One", page)) == {"x/a.py", "x/c"}
+    assert places_to_change(section("One", page)) == {"x/a.py", "x/c"}
 
 
 # ------------------------------------------------------------------------------------------------ from end to end
@@ -308,12 +308,12 @@ def test_places_are_the_links_in_bold() -> None:
 
 @pytest.mark.parametrize("title", ["A set", "A target language", "A command"])
 def test_the_house_stands_with_the_sample(title: str, made) -> None:
-    pytest_in_copy(made(title), "tests/test_faces.py", "tests/test_layers.py", "-k", "through_faces or lists_what or one_way")
+    run_pytest_in_copy(made(title), "tests/test_faces.py", "tests/test_layers.py", "-k", "through_faces or lists_what or one_way")
 
 
 def test_a_set_is_designed_certified_and_checked(made) -> None:
     copy = made("A set")
-    pytest_in_copy(
+    run_pytest_in_copy(
         copy,
         "tests/task/test_keys.py",
         "tests/task/test_shapes.py",
@@ -332,16 +332,16 @@ def test_a_set_is_a_region_of_a_mission_and_has_images_in_an_axis_that_closes(ma
     mission += '[[region]]\nname = "dock"\nmiddle = [2, 3]\nreach = 1\n[[mission]]\nvisit = "dock"\n'
     for name, text in {"omni_heading": turning, "visitor": mission}.items():
         (tmp_path / f"{name}.toml").write_text(text)
-        written = in_copy(copy, "generate", str(tmp_path / f"{name}.toml"), "--out", str(tmp_path))
+        written = run_in_copy(copy, "generate", str(tmp_path / f"{name}.toml"), "--out", str(tmp_path))
         assert written.returncode == 0, written.stderr
         files = [str(tmp_path / f"{name}{end}") for end in (".toml", ".c", ".certificate.json")]
-        checked = in_copy(copy, "certify", *files)
+        checked = run_in_copy(copy, "certify", *files)
         assert checked.returncode == 0, checked.stdout + checked.stderr
 
 
 def test_an_operation_is_printed_in_every_language_and_bounded(made, tool) -> None:
     tool("gcc"), tool("clang")
-    pytest_in_copy(
+    run_pytest_in_copy(
         made("An operation"),
         "tests/program/test_program.py",
         "-k",
@@ -364,55 +364,57 @@ for target in TARGETS:
     assert any("hypot" in line for line in target.printer(program).kernel(kernel)), target.title
 """
     (made("An operation") / "bounded.py").write_text(code)
-    done = in_copy(made("An operation"), module="bounded")
+    done = run_in_copy(made("An operation"), module="bounded")
     assert done.returncode == 0, done.stderr
 
 
 def test_a_language_is_within_the_bounds_and_changes_no_old_task(made, tmp_path: Path, tool) -> None:
     tool("node"), tool("cc")
     copy = made("A target language")
-    pytest_in_copy(copy, "tests/task/test_keys.py", "tests/compare/test_targets.py", "-k", "javascript or key or list or know")
+    run_pytest_in_copy(
+        copy, "tests/task/test_keys.py", "tests/compare/test_targets.py", "-k", "javascript or key or list or know"
+    )
     text = (ROOT / "tasks" / "omni_s1.toml").read_text()
     (tmp_path / "omni_s1.toml").write_text(text)
-    assert in_copy(copy, "generate", str(tmp_path / "omni_s1.toml"), "--out", str(tmp_path / "old")).returncode == 0
+    assert run_in_copy(copy, "generate", str(tmp_path / "omni_s1.toml"), "--out", str(tmp_path / "old")).returncode == 0
     for path in (tmp_path / "old").iterdir():
         assert path.read_bytes() == (ROOT / "generated" / "omni_s1" / "refined" / "float" / path.name).read_bytes()
     (tmp_path / "omni_s1.toml").write_text(text + "[emit]\njavascript = true\n")
-    written = in_copy(copy, "generate", str(tmp_path / "omni_s1.toml"), "--out", str(tmp_path), "--json")
+    written = run_in_copy(copy, "generate", str(tmp_path / "omni_s1.toml"), "--out", str(tmp_path), "--json")
     assert "omni_s1.js" in json.loads(written.stdout)["written"][0]["files"]
     files = [str(tmp_path / f"omni_s1{end}") for end in (".toml", ".c", ".certificate.json")]
-    assert in_copy(copy, "certify", *files).returncode == 0
+    assert run_in_copy(copy, "certify", *files).returncode == 0
     (tmp_path / "omni_s1.toml").write_text(text.replace('name = "omni_s1"', 'name = "require"') + "[emit]\njavascript = true\n")
-    refused = in_copy(copy, "generate", str(tmp_path / "omni_s1.toml"), "--out", str(tmp_path))
+    refused = run_in_copy(copy, "generate", str(tmp_path / "omni_s1.toml"), "--out", str(tmp_path))
     assert "name: 'require' is a reserved word of JavaScript (emit.javascript)" in refused.stderr
 
 
 @pytest.mark.parametrize("path", ["stt_codegen/certify/checker.py", "stt_codegen/theorem/controller_theorem.py"])
 def test_a_list_that_a_language_is_left_out_of_is_noticed(path: str, tmp_path: Path) -> None:
     copy = copy_of_the_repository(tmp_path)
-    follow(replace(LANGUAGE, edits={name: edits for name, edits in LANGUAGE.edits.items() if name != path}), copy)
+    follow_recipe(replace(LANGUAGE, edits={name: edits for name, edits in LANGUAGE.edits.items() if name != path}), copy)
     with pytest.raises(AssertionError, match="javascript"):
-        pytest_in_copy(copy, "tests/task/test_keys.py")
-    assert f"{path}: is named, and nothing is changed there" in astray(places(LANGUAGE.recipe), touched(copy))
+        run_pytest_in_copy(copy, "tests/task/test_keys.py")
+    assert f"{path}: is named, and nothing is changed there" in mismatches(places_to_change(LANGUAGE.recipe), changed_files(copy))
 
 
 def test_a_command_is_in_the_help_and_answers(made) -> None:
     copy = made("A command")
-    assert "count" in in_copy(copy, "--help").stdout
-    assert json.loads(in_copy(copy, "count", "tasks/omni_s2.toml", "--json").stdout) == {"unsafe": 4}
-    pytest_in_copy(copy, "tests/cli/test_commands.py")
+    assert "count" in run_in_copy(copy, "--help").stdout
+    assert json.loads(run_in_copy(copy, "count", "tasks/omni_s2.toml", "--json").stdout) == {"unsafe": 4}
+    run_pytest_in_copy(copy, "tests/cli/test_commands.py")
 
 
 def test_a_board_runs_the_c_and_is_counted(made, tool) -> None:
     for name in ("arm-none-eabi-gcc", "qemu-system-arm"):
         tool(name)
     copy = made("A board")
-    ran = in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m4", "--points", "50", "--json")
+    ran = run_in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m4", "--points", "50", "--json")
     document = json.loads(ran.stdout)
     assert document["within_bounds"] is True
     assert document["calls"]["control"]["most"] > 500  # without an FPU
-    assert "m4" in in_copy(copy, "mcu", "--help", module="benchmarks").stdout
-    assert "m4," in in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m5").stderr
+    assert "m4" in run_in_copy(copy, "mcu", "--help", module="benchmarks").stdout
+    assert "m4," in run_in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m5").stderr
 
 
 def test_a_kind_of_tube_is_designed_compiled_and_compared(made, tmp_path: Path, tool) -> None:
@@ -423,7 +425,7 @@ def test_a_kind_of_tube_is_designed_compiled_and_compared(made, tmp_path: Path, 
     (tmp_path / "omni_s2.toml").write_text(text.replace("[tube]\n", '[tube]\ndesign = "shapely"\n'))
     for folder, options in (("c", ()), ("sketch", ("--package", "arduino"))):
         arguments = (str(tmp_path / "omni_s2.toml"), "--out", str(tmp_path / folder), *options)
-        written = in_copy(copy, "generate", *arguments)
+        written = run_in_copy(copy, "generate", *arguments)
         assert written.returncode == 0, written.stderr
     assert "covered(" not in "".join(
         path.read_text() for path in tmp_path.rglob("*.[chi]*") if path.suffix in (".c", ".h", ".ino")
@@ -431,14 +433,16 @@ def test_a_kind_of_tube_is_designed_compiled_and_compared(made, tmp_path: Path, 
     command = ["gcc", *STRICT, "-c", str(tmp_path / "c" / "omni_s2.c"), "-o", str(tmp_path / "omni_s2.o")]
     compiled = subprocess.run(command, capture_output=True, text=True, check=False)
     assert compiled.returncode == 0, compiled.stderr
-    compared = in_copy(copy, "compare", str(tmp_path / "omni_s2.toml"), "--points", "200")
+    compared = run_in_copy(copy, "compare", str(tmp_path / "omni_s2.toml"), "--points", "200")
     assert compared.returncode == 0, compared.stdout + compared.stderr
-    pytest_in_copy(copy, "tests/test_designs_protocol.py", "-k", "table or answers or another_class or list_says or asked_for")
+    run_pytest_in_copy(
+        copy, "tests/test_designs_protocol.py", "-k", "table or answers or another_class or list_says or asked_for"
+    )
 
 
 @pytest.mark.parametrize("path", ["stt_codegen/emit/document.py", "benchmarks/suites/printed.py"])
 def test_a_table_that_a_kind_is_left_out_of_is_noticed(path: str, tmp_path: Path) -> None:
     copy = copy_of_the_repository(tmp_path)
-    follow(replace(KIND, edits={name: edits for name, edits in KIND.edits.items() if name != path}), copy)
+    follow_recipe(replace(KIND, edits={name: edits for name, edits in KIND.edits.items() if name != path}), copy)
     with pytest.raises(AssertionError, match="has no shapely"):
-        pytest_in_copy(copy, "tests/test_designs_protocol.py", "-k", "every_kind_has_an_entry")
+        run_pytest_in_copy(copy, "tests/test_designs_protocol.py", "-k", "every_kind_has_an_entry")

@@ -19,7 +19,7 @@ from stt_codegen.record.files import write_files
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.record.standing import keep_certified
 from stt_codegen.task.load import load_task
-from tests.support.command_line import run_command, run_in_own_process
+from tests.support.command_line import run_command, run_in_new_process
 from tests.support.controllers import ROOT, built, controller_of
 
 # What must not matter to the bytes: hash seed, folder, time zone, locale, which vector instructions NumPy and libm may use.
@@ -45,7 +45,7 @@ def test_the_same_bytes_in_any_process_folder_and_surroundings(name: str, design
         folder.mkdir(parents=True)
         shutil.copy(ROOT / "tasks" / f"{name}.toml", folder / "copy.toml")
         options = ("--out", "out", "--design", design, "--uncertified")
-        result = run_in_own_process("generate", "copy.toml", *options, cwd=folder, env=surroundings)
+        result = run_in_new_process("generate", "copy.toml", *options, cwd=folder, env=surroundings)
         assert result.returncode == 0, result.stderr
         made.append({p.name: p.read_bytes() for p in (folder / "out").iterdir()})
     assert made[0] == made[1]

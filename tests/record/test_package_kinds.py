@@ -19,8 +19,8 @@ from stt_codegen.plants import plant_of
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.task.load import load_task
-from tests.support.absent import absent
 from tests.support.controllers import ROOT, built
+from tests.support.missing_tools import skip_without
 
 MAIN = """#include <stdio.h>
 #include "omni_s2.h"
@@ -78,7 +78,7 @@ def test_cmake_takes_it_as_a_subdirectory_and_installed(tool, tmp_path) -> None:
 def test_the_arduino_library_and_its_sketch_compile_for_an_uno(name: str, tool, tmp_path) -> None:
     compiler, linker = tool("avr-gcc"), tool("avr-g++")
     if not AVR_CORE.is_dir():
-        absent("arduino-core-avr is not installed")
+        skip_without("arduino-core-avr is not installed")
     write_files(tmp_path, package(built(load_task(ROOT / "tasks" / f"{name}.toml")), "arduino"))
     own = tmp_path / name
     core, variant = AVR_CORE / "cores" / "arduino", AVR_CORE / "variants" / "standard"

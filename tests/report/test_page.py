@@ -25,7 +25,7 @@ from stt_codegen.report.page.page import page
 from stt_codegen.report.page.scene import SAMPLES
 from stt_codegen.report.page.solids import solid
 from tests.support.controllers import ROOT
-from tests.support.pages import KINDS, controller_of, data_of, made
+from tests.support.pages import KINDS, controller_of_kind, data_block, report_html
 
 pytestmark = pytest.mark.xdist_group("page")  # every page made once
 
@@ -37,7 +37,7 @@ MOST = 2 << 20  # bytes of a page
 
 @pytest.mark.parametrize("kind", [*KINDS, "moving"])
 def test_a_page_stands_alone_and_has_every_property_and_file(kind: str) -> None:
-    controller, text = controller_of(kind), made(kind)
+    controller, text = controller_of_kind(kind), report_html(kind)
     assert len(text.encode()) <= MOST
     assert set(re.findall(r"https?://[^\s\"'<]+", text)) == {"http://www.w3.org/2000/svg"}  # a name, which nothing fetches
     assert not re.search(r"\bsrc=|@import|url\((?!#|.\(#)", re.sub(r"`[^`]*`", "", text))
@@ -53,8 +53,8 @@ def test_a_page_stands_alone_and_has_every_property_and_file(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", ["missions", "adaptive", "moving"])
 def test_what_is_drawn_is_the_tube(kind: str) -> None:
-    controller = controller_of(kind)
-    data = data_of(made(kind))
+    controller = controller_of_kind(kind)
+    data = data_block(report_html(kind))
     t = np.linspace(0, float(controller.task.prescribed_time), SAMPLES + 1)
     for name, edge in zip(("low", "high"), controller.design.edges_at(t), strict=True):
         size = np.abs(edge).max()
@@ -66,7 +66,7 @@ def test_what_is_drawn_is_the_tube(kind: str) -> None:
 
 def test_a_tube_that_collides_says_where() -> None:
     """By name and time, as a search of the samples of its own finds it."""
-    controller, data = controller_of("literal"), data_of(made("literal"))
+    controller, data = controller_of_kind("literal"), data_block(report_html("literal"))
     low, high = np.array(data["low"]), np.array(data["high"])
     t = np.linspace(0, data["t_c"], SAMPLES + 1)
     for one in controller.task.unsafe_sets:
@@ -76,13 +76,13 @@ def test_a_tube_that_collides_says_where() -> None:
         inside = np.any([(t >= a - 1e-9) & (t <= b + 1e-9) for a, b in told] or [np.zeros(len(t), bool)], axis=0)
         assert (meets == inside).all()
     assert data["meets"]
-    assert all(f"At samples the tube meets {name}" in made("literal") for name, *_ in data["meets"])
-    assert data_of(made("plain"))["meets"] == []
+    assert all(f"At samples the tube meets {name}" in report_html("literal") for name, *_ in data["meets"])
+    assert data_block(report_html("plain"))["meets"] == []
 
 
 def test_words_of_a_task_are_words_of_the_page() -> None:
     """Formulas have what HTML means otherwise. (Names and units may not.)"""
-    text = made("missions")
+    text = report_html("missions")
     assert "dock -&gt; eventually" in text
     assert "dock -> eventually" not in text
 
@@ -90,7 +90,7 @@ def test_words_of_a_task_are_words_of_the_page() -> None:
 def test_the_page_is_the_same_for_the_same_task() -> None:
     controller = build(ROOT / "tasks" / "omni_s2.toml")
     again = page(controller, design_report(controller, 0.0), evidence(controller, ROOT / "tasks" / "omni_s2.toml")).decode()
-    assert again == made("plain")
+    assert again == report_html("plain")
 
 
 def test_faces_of_a_solid_hold_its_corners() -> None:
@@ -118,8 +118,8 @@ def test_the_bill_of_materials_is_cyclonedx() -> None:
     schema = known["bom-1.6.SNAPSHOT.schema.json"]
     others = [(s["$id"], Resource.from_contents(s)) for s in known.values() if "$id" in s]
     for kind in ("plain", "adaptive"):
-        controller = controller_of(kind)
-        found = data_of(made(kind), "bill")
+        controller = controller_of_kind(kind)
+        found = data_block(report_html(kind), "bill")
         jsonschema.Draft7Validator(schema, registry=Registry().with_resources(others)).validate(found)
         assert found == bill(controller)
         hashes = {one["name"]: one["hashes"][0]["content"] for one in found["components"] if one["type"] == "file"}
@@ -138,8 +138,8 @@ def test_what_was_run_is_told_as_it_came_out(tool: Any, monkeypatch: pytest.Monk
 
     for name in ("gcc", "clang", "cppcheck"):
         tool(name)
-    assert "yes: omni_s2: P1 to P7 hold" in made("plain")
-    controller = controller_of("plain")
+    assert "yes: omni_s2: P1 to P7 hold" in report_html("plain")
+    controller = controller_of_kind("plain")
     text = controller.files["omni_s2.c"]
     bend = b"least = room * 0.005F", b"least = room * 0.006F"
     assert text.count(bend[0]) == 1
@@ -184,12 +184,12 @@ def test_a_notebook_opens_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 
     import stt_codegen as stt
 
-    opened = list[str]()
-    monkeypatch.setattr(webbrowser, "open", opened.append)
+    opened_urls = list[str]()
+    monkeypatch.setattr(webbrowser, "open", opened_urls.append)
     controller = stt.build(ROOT / "tasks" / "omni_s1.toml")
     path = controller.report(tmp_path / "own.html")
     assert path == tmp_path / "own.html"
-    assert opened == [path.resolve().as_uri()]
-    data = data_of(path.read_text())
+    assert opened_urls == [path.resolve().as_uri()]
+    data = data_block(path.read_text())
     assert base64.b64decode(data["drive"]["wasm"])[:4] == b"\0asm"
     assert controller._repr_png_().startswith(b"\x89PNG")

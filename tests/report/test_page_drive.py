@@ -28,7 +28,7 @@ from stt_codegen.report.page.page import page
 from stt_codegen.report.page.scene import SAMPLES
 from stt_codegen.task.sets.motion import DisplacedSet, possible_sets
 from tests.support.controllers import ROOT
-from tests.support.pages import Open, controller_of, data_of, made
+from tests.support.pages import OpenPage, controller_of_kind, data_block, report_html
 
 pytestmark = pytest.mark.xdist_group("page")  # one browser, and every page made once
 
@@ -88,9 +88,9 @@ def bits(value: float) -> str:
 @pytest.mark.parametrize("kind", ["plain", "double", "three dimensions, order 2", "for ever", "hold"])
 def test_the_browser_computes_what_the_c_computes_bit_for_bit(kind: str, browser: Any, tool: Any, tmp_path: Path) -> None:
     tool("gcc"), tool("clang"), tool("wasm-ld")
-    controller = controller_of(kind)
+    controller = controller_of_kind(kind)
     n = controller.task.dimension
-    drive = data_of(made(kind))["drive"]
+    drive = data_block(report_html(kind))["drive"]
     step = native(controller, tmp_path)
     points = points_of(controller)
     expected = []
@@ -108,29 +108,29 @@ def test_the_browser_computes_what_the_c_computes_bit_for_bit(kind: str, browser
 def test_a_controller_that_calls_the_library_has_it_from_the_browser() -> None:
     """What the module of an adaptive tube asks for is in the browser's Math; a refined one asks for nothing."""
     for kind, wanted in (("plain", set()), ("adaptive", {"expf", "powf", "log1pf", "logf"})):
-        controller = controller_of(kind)
+        controller = controller_of_kind(kind)
         module = driven(controller, plant_driven(controller.task)).wasm
         assert {name for name in ("expf", "powf", "log1pf", "logf", "memcpy") if name.encode() in module} == wanted
 
 
-def test_a_plant_is_driven_as_it_is_proved_about(opened: Any) -> None:
+def test_a_plant_is_driven_as_it_is_proved_about(open_page: Any) -> None:
     """`--plant`: the module computes its f and g, and the statements are about it."""
     controller = build(ROOT / "tasks" / "spacecraft.toml")
     plant = plant_of("spacecraft", 3)
     text = page(controller, design_report(controller, 0.0), evidence(controller), plant).decode()
     assert "The plant is spacecraft" in text
     assert "proved for spacecraft" in text
-    assert data_of(text)["drive"]["wasm"] != data_of(made("three dimensions"))["drive"]["wasm"]
+    assert data_block(text)["drive"]["wasm"] != data_block(report_html("three dimensions"))["drive"]["wasm"]
 
 
 def test_without_clang_the_section_says_so_and_the_rest_stands(
     browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    controller = controller_of("plain")
+    controller = controller_of_kind("plain")
     monkeypatch.setattr("stt_codegen.report.page.drive.CLANG", "no-such-clang")
     path = tmp_path / "page.html"
     path.write_bytes(page(controller, design_report(controller, 0.0), evidence(controller)))
-    with Open(browser, path) as shown:
+    with OpenPage(browser, path) as shown:
         assert "no-such-clang not found; install" in shown.page.inner_text("#drive + p")
         assert shown.page.locator("#arena .now").count() == 1
 
@@ -145,7 +145,7 @@ class Scripts:
         folder = ROOT / "templates" / "report"
         self.page = browser.new_page()
         self.page.set_content("<script id='data' type='application/json'></script>")
-        text = json.dumps(data_of(made(kind)))
+        text = json.dumps(data_block(report_html(kind)))
         self.page.evaluate("(text) => { document.getElementById('data').textContent = text; }", text)
         self.page.add_script_tag(content="\n".join((folder / f"{name}.js").read_text() for name in ("scene", "strips", "drive")))
 
@@ -161,7 +161,7 @@ class Scripts:
 
 def test_a_set_may_be_where_the_certificate_takes_it_to_be(browser: Any) -> None:
     """With timing and growth: the dashed outline is the hull of all places, grown; and the set stands where it is stated to."""
-    task = controller_of("moving").task
+    task = controller_of_kind("moving").task
     times = [k * 10 / 37 for k in range(38)]
     with Scripts(browser, "moving") as scripts:
         swept = scripts.run("return given.map((t) => swept(data.sets[0], '0,1', [0, 1], t));", times)
@@ -180,7 +180,7 @@ def test_a_set_may_be_where_the_certificate_takes_it_to_be(browser: Any) -> None
 
 def test_a_state_is_in_a_set_where_the_exact_set_says_so(browser: Any) -> None:
     """The body counted, the set where it is stated to be: random states, and the same set as exact fractions."""
-    task = controller_of("moving").task
+    task = controller_of_kind("moving").task
     chance = np.random.default_rng(5)
     points = [[float(t), float(x), float(y)] for t, x, y in chance.uniform([0, 0, 0], [10, 10, 6], (400, 3))]
     with Scripts(browser, "moving") as scripts:
@@ -199,7 +199,7 @@ def test_a_state_is_in_a_set_where_the_exact_set_says_so(browser: Any) -> None:
 def test_the_pages_loop_is_that_of_simulate(kind: str, latency: float, browser: Any) -> None:
     """Without wind and noise both are the same equations under the same C; the float of x may fall the other way here and there,
     which moves u by a few of its own last places, so states agree to a few units of the float's."""
-    controller = controller_of(kind)
+    controller = controller_of_kind(kind)
     files, _ = shipped(controller)
     plant = plant_of("integrator", controller.task.dimension, controller.task.order)
     rate = 400.0
@@ -220,7 +220,7 @@ def test_the_pages_loop_is_that_of_simulate(kind: str, latency: float, browser: 
 def test_alpha_is_where_it_is_however_the_slider_went(browser: Any) -> None:
     """An adaptive tube: u at a time does not depend on what was looked at before, and is the emitted Python's to what the browser's
     exp and log may differ by: the comparison's own bounds are some units in the last place of k xi eps."""
-    controller = controller_of("adaptive")
+    controller = controller_of_kind("adaptive")
     with Scripts(browser, "adaptive") as scripts:
         body = """const loop = loopOf(data.drive);
         const at = (t) => { loop.begin(t); return [...loop.x, ...loop.u]; };
@@ -303,7 +303,7 @@ def test_the_band_of_v_holds_every_v_that_the_tubes_leave(browser: Any) -> None:
     """x at an edge of its tube and v + lambda x at one of its own: v between the band's edges, and at them in the extremes."""
     with Scripts(browser, "three dimensions, order 2") as scripts:
         speeds = scripts.run("return stripsOf()[1].map((one) => [one.low, one.high, one.i]);")
-    data = data_of(made("three dimensions, order 2"))
+    data = data_block(report_html("three dimensions, order 2"))
     x = [np.array(data[name]) for name in ("low", "high")]
     z = [np.array(data["filtered"][name]) for name in ("low", "high")]
     assert [i for *_, i in speeds] == [0, 1, 2]
@@ -336,14 +336,14 @@ WIND = """(w) => {
 
 
 @pytest.mark.parametrize("kind", ["plain", "three dimensions, order 2"])
-def test_it_arrives_when_driven_and_says_what_is_proved(kind: str, opened: Any) -> None:
+def test_it_arrives_when_driven_and_says_what_is_proved(kind: str, open_page: Any) -> None:
     """At the rate that it begins with, with the wind that is proved towards the nearest edge: never outside, always proved."""
-    with opened(kind) as shown:
+    with open_page(kind) as shown:
         shown.page.select_option("#drive-pace", "4")
         shown.page.select_option("#drive-kind", "outward")
         shown.page.evaluate(WIND)
         shown.page.click("#drive-on")
-        shown.until("document.getElementById('drive-log').textContent.includes('in the target, in time')", 60)
+        shown.wait_until("document.getElementById('drive-log').textContent.includes('in the target, in time')", 60)
         assert shown.page.inner_text("#drive-status") == "OK"
         assert shown.page.inner_text("#drive-state") == "Within what is proved."
         assert "outside" not in shown.page.inner_text("#drive-log")
@@ -358,8 +358,8 @@ def test_it_goes_on_for_ever(browser: Any) -> None:
     assert told(browser, "for ever", body) == [True, True, 0]
 
 
-def test_a_hand_and_a_wind_leave_what_is_proved(opened: Any) -> None:
-    with opened("plain") as shown:
+def test_a_hand_and_a_wind_leave_what_is_proved(open_page: Any) -> None:
+    with open_page("plain") as shown:
         page_ = shown.page
         page_.click("#drive-on")
         page_.click("#play")
@@ -378,10 +378,10 @@ def test_a_hand_and_a_wind_leave_what_is_proved(opened: Any) -> None:
         assert "beyond" in page_.locator("label:has(#drive-wind)").get_attribute("class")
 
 
-def test_the_papers_own_rule_is_driven_into_a_set(opened: Any) -> None:
+def test_the_papers_own_rule_is_driven_into_a_set(open_page: Any) -> None:
     """Begun where the tube meets O3, at a corner of it that is in the set."""
-    with opened("literal") as shown:
-        name, begin, end, sure = data_of(made("literal"))["meets"][0]
+    with open_page("literal") as shown:
+        name, begin, end, sure = data_block(report_html("literal"))["meets"][0]
         assert sure
         shown.page.click("#drive-on")
         assert "no sampling period is proved" in shown.page.inner_text("#drive-state")

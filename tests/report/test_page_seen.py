@@ -12,7 +12,7 @@ from stt_codegen.report.page.evidence import evidence
 from stt_codegen.report.page.page import page
 from stt_codegen.task.load import parse_task
 from tests.support.controllers import built
-from tests.support.pages import KINDS, Open, controller_of
+from tests.support.pages import KINDS, OpenPage, controller_of_kind
 
 pytestmark = pytest.mark.xdist_group("page")  # one browser, and every page made once
 ROOM = """
@@ -28,32 +28,32 @@ target_set = { lower = [8.5, 0.5], upper = [9.5, 1.5] }
 
 
 @pytest.mark.parametrize("kind", [k for k in [*KINDS, "moving", "hold"] if k != "three dimensions"])
-def test_a_browser_shows_it_without_a_complaint(kind: str, opened: Any) -> None:
-    controller = controller_of(kind)
+def test_a_browser_shows_it_without_a_complaint(kind: str, open_page: Any) -> None:
+    controller = controller_of_kind(kind)
     n = controller.task.dimension
-    with opened(kind) as shown:
+    with open_page(kind) as shown:
         views = shown.page.locator("#plane option").count()
         assert views == n * (n - 1) // 2 + (n == 3)
         for k in range(views):
-            shown.look_at(k)
+            shown.choose_view(k)
             assert shown.page.locator("#arena svg:not(.paper), #arena canvas").count() == 1
         assert shown.page.locator("#strips .band").count() == n * (3 if controller.task.order == 2 else 1)
         shown.page.click("#play")
-        shown.until("document.getElementById('time').value > 5")
+        shown.wait_until("document.getElementById('time').value > 5")
         shown.page.click("#drive-on")
-        shown.until("document.getElementById('drive-u').textContent !== ''")
+        shown.wait_until("document.getElementById('drive-u').textContent !== ''")
 
 
 @pytest.mark.parametrize(
     ("kind", "width", "scheme"),
     [("plain", 390, "light"), ("three dimensions, order 2", 1280, "dark"), ("literal", 1280, "light"), ("moving", 390, "dark")],
 )
-def test_everyone_can_read_it(kind: str, width: int, scheme: str, opened: Any) -> None:
+def test_everyone_can_read_it(kind: str, width: int, scheme: str, open_page: Any) -> None:
     """WCAG AA as axe-core checks it, in light and dark, at a phone's width and a desk's, also while it drives."""
     from axe_playwright_python.sync_playwright import Axe
 
     rules = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]}
-    with opened(kind, width=width, scheme=scheme, bypass_csp=True) as shown:
+    with open_page(kind, width=width, scheme=scheme, bypass_csp=True) as shown:
         shown.page.click("#drive-on")
         shown.page.click("#play")
         found = Axe().run(shown.page, options=rules).response["violations"]
@@ -61,16 +61,16 @@ def test_everyone_can_read_it(kind: str, width: int, scheme: str, opened: Any) -
 
 
 @pytest.mark.parametrize("kind", ["plain", "missions", "three dimensions, order 2", "moving"])
-def test_nothing_is_cut_off_and_no_label_is_over_another(kind: str, opened: Any) -> None:
+def test_nothing_is_cut_off_and_no_label_is_over_another(kind: str, open_page: Any) -> None:
     places = """() => ['arena', 'strips'].flatMap((id) => [...document.querySelectorAll(`#${id} svg:not(.paper)`)].map((svg) => {
       const texts = [...svg.querySelectorAll('text')].filter((t) => t.textContent && t.getClientRects().length);
       const box = (node) => { const r = node.getBoundingClientRect(); return [r.left, r.top, r.right, r.bottom]; };
       return [box(svg), texts.map((t) => [t.textContent, ...box(t)])];
     }))"""
     for width in (390, 1280, 2560):
-        with opened(kind, width=width) as shown:
+        with open_page(kind, width=width) as shown:
             assert shown.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-            shown.look_at(shown.page.locator("#plane option").count() - 1)
+            shown.choose_view(shown.page.locator("#plane option").count() - 1)
             for frame, texts in shown.page.evaluate(places):
                 for told, *box in texts:
                     assert box[0] >= frame[0] - 1, (width, told)
@@ -80,8 +80,8 @@ def test_nothing_is_cut_off_and_no_label_is_over_another(kind: str, opened: Any)
                         assert a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] - 2 or b[1] >= a[3] - 2, (width, told, other)
 
 
-def test_every_control_is_reached_and_worked_by_keyboard(opened: Any) -> None:
-    with opened("plain") as shown:
+def test_every_control_is_reached_and_worked_by_keyboard(open_page: Any) -> None:
+    with open_page("plain") as shown:
         page_ = shown.page
         wanted = page_.evaluate(
             "[...document.querySelectorAll('button, input, select, a[href]')].filter((e) => e.offsetParent).length"
@@ -104,10 +104,10 @@ def test_every_control_is_reached_and_worked_by_keyboard(opened: Any) -> None:
         assert page_.inner_text("#drive-u") != before
 
 
-def test_the_certificate_leads_to_the_moment(opened: Any) -> None:
+def test_the_certificate_leads_to_the_moment(open_page: Any) -> None:
     """Every row that has a time: its button brings the slider to the middle of it."""
-    controller = controller_of("plain")
-    with opened("plain") as shown:
+    controller = controller_of_kind("plain")
+    with open_page("plain") as shown:
         rows = shown.page.locator("section:has(> #certificate) tbody tr")
         assert rows.count() == len(controller.certificate.findings)
         for k, one in enumerate(controller.certificate.findings):
@@ -122,14 +122,14 @@ def test_of_many_sets_the_name_under_the_pointer_is_shown(browser: Any, tmp_path
     controller = built(parse_task(ROOM + f"unsafe = [{', '.join(boxes)}]\n"))
     path = tmp_path / "page.html"
     path.write_bytes(page(controller, design_report(controller, 0.0), evidence(controller)))
-    with Open(browser, path) as shown:
+    with OpenPage(browser, path) as shown:
         assert shown.page.locator("#arena text.name").all_text_contents() == ["start", "target", ""]
         shown.page.locator("#arena [data-name=B7] .unsafe").hover()
         assert shown.page.locator("#arena text.name").last.text_content() == "B7"
 
 
-def test_it_prints(opened: Any, tmp_path: Path) -> None:
-    with opened("three dimensions, order 2") as shown:
+def test_it_prints(open_page: Any, tmp_path: Path) -> None:
+    with open_page("three dimensions, order 2") as shown:
         data = shown.page.pdf(path=tmp_path / "page.pdf", format="A4")
         assert data.startswith(b"%PDF")
         shown.page.emulate_media(media="print")

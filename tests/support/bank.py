@@ -1,4 +1,4 @@
-"""The expression bank: every node and opcode as a small program, printed by every printer and run."""
+"""Helpers of the expression bank, whose tests print every node and operation as a small program and run it (tests/program)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from stt_codegen.program.targets.python.runner import load_module
 
 
 def one_function_program(kernel: Kernel, scalar: str) -> Program:
-    """A program whose only function `f(x) -> y` calls the kernel on the entries of x."""
+    """Return a program whose only function `f(x) -> y` calls the kernel on the entries of x."""
     block = Block({"x", "y"})
     args: list[Operand] = [block.let(f"x_{k}", Load("x", integer(k))) for k in range(len(kernel.inputs))]
     results = block.call(kernel, *args, names=[f"y_{k}" for k in range(len(kernel.outputs))])
@@ -33,7 +33,7 @@ def one_function_program(kernel: Kernel, scalar: str) -> Program:
 
 
 def run_python(program: Program, name: str = "f") -> Callable[..., Any]:
-    """The program's function by the Python printer."""
+    """Print the program in Python, load it, and return its function of this name."""
     printer = PythonPrinter(program)
     lines = ["import math", "", "def _vector(name, values, length):", "    return [float(v) for v in values]", ""]
     for table in program.tables:
@@ -46,7 +46,7 @@ def run_python(program: Program, name: str = "f") -> Callable[..., Any]:
 
 
 def run_c(program: Program, compiler: str, folder: Path) -> Callable[[Sequence[float]], list[float]]:
-    """The program's function `f` by the C printer, compiled with the strict flags."""
+    """Print the program in C, compile it with the strict flags, and return its function `f` from an array to a list."""
     printer = CPrinter(program)
     n_in, n_out = (program.functions[0].params[k].length or 0 for k in (0, 1))
     lines = [
@@ -69,20 +69,20 @@ def run_c(program: Program, compiler: str, folder: Path) -> Callable[[Sequence[f
     call = ctypes.CDLL(str(library)).bank_f
 
     def f(x: Sequence[float]) -> list[float]:
-        given, result = (real * n_in)(*x), (real * n_out)()
-        call(given, result)
+        inputs, result = (real * n_in)(*x), (real * n_out)()
+        call(inputs, result)
         return list(result)
 
     return f
 
 
 def kernel_of(name: str, build: Callable[..., ca.SX], count: int) -> tuple[Kernel, ca.Function]:
-    """Lower `build(x0, x1, ...)`, a CasADi expression of `count` symbols."""
+    """Return `build(x0, x1, ...)`, a CasADi expression of `count` symbols, lowered to a kernel and as a CasADi function."""
     symbols = [ca.SX.sym(f"x{k}") for k in range(count)]
     function = ca.Function(name, symbols, [build(*symbols)], [f"x{k}" for k in range(count)], ["y"])
     return lower(function), function
 
 
-def float_neighbours(value: float, scalar: str) -> float:
-    """One unit in the last place of value."""
+def unit_in_last_place(value: float, scalar: str) -> float:
+    """Return the distance from |value| to the next number of the scalar type."""
     return float(np.spacing(np.float32(abs(value)) if scalar == "float" else np.float64(abs(value))))

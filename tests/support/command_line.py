@@ -1,4 +1,4 @@
-"""`stt-codegen` as a user calls it: in this process, where the imports are paid for once, or in one of its own."""
+"""Run `stt-codegen` as a user calls it: in this process, which has its imports already, or in a new one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.support.controllers import ROOT
 
 @dataclass(frozen=True)
 class CommandResult:
-    """What a command left: names as of `subprocess.CompletedProcess`."""
+    """Exit code and output of a command; its fields have the names of `subprocess.CompletedProcess`."""
 
     returncode: int
     stdout: str
@@ -25,7 +25,7 @@ class CommandResult:
 
 
 def run_command(*arguments: str, cwd: Path = ROOT, env: dict[str, str] | None = None) -> CommandResult:
-    """Run a command of `stt-codegen` in this process, with its exit code, in a working folder and with more of an environment."""
+    """Run a command of `stt-codegen` in this process, in the folder `cwd` and with `env` added to the environment."""
     stdout, stderr = io.StringIO(), io.StringIO()
     with (
         mock.patch.object(sys, "argv", ["stt-codegen", *arguments]),
@@ -41,8 +41,8 @@ def run_command(*arguments: str, cwd: Path = ROOT, env: dict[str, str] | None = 
     return CommandResult(code, stdout.getvalue(), stderr.getvalue())
 
 
-def run_in_own_process(*arguments: str, cwd: Path = ROOT, env: dict[str, str] | None = None) -> CommandResult:
-    """Run a command of `stt-codegen` in a process of its own: for what a process decides, such as its hash seed."""
+def run_in_new_process(*arguments: str, cwd: Path = ROOT, env: dict[str, str] | None = None) -> CommandResult:
+    """Run a command of `stt-codegen` in a new process, for tests of what depends on the process, such as its hash seed."""
     command = [sys.executable, "-W", "ignore", "-m", "stt_codegen.cli", *arguments]
     result = subprocess.run(command, cwd=cwd, env={**os.environ, **(env or {})}, capture_output=True, text=True, check=False)
     return CommandResult(result.returncode, result.stdout, result.stderr)

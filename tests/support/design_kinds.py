@@ -1,8 +1,9 @@
-"""What a source does with the kinds of designs: a white list, since a question of kind has more spellings than a list can hold.
+"""Finds sources that ask of which kind a design is, for tests/test_designs_protocol.py.
 
-Outside of designs/ a kind's name may be looked up in a table by kind, written into a text or a document, and compared with another
-kind's name. A class of designs may be an annotation, be constructed, and be handed to `for_any_design`. A string that equals the name of
-a kind or of a class may only be a key of a table.
+This is a list of what is allowed, because the question "which kind?" can be spelled in too many ways to list them all. Outside of
+designs/ a source may look a kind's name up in a table by kind, write it into a text or a document, or compare it with another design's
+kind. It may use a class of designs as an annotation, construct it, or pass it to `for_any_design`. A string that equals the name of a
+kind or of a class may only be a key of a table.
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from tests.support.controllers import ROOT
 PACKAGE = ROOT / "stt_codegen"
 KINDS = frozenset(get_args(DesignKind))
 CLASSES = {name for name in designs.__all__ if name.endswith("Design")} - {"Design"}
-REQUIRE = {  # by name, and the class that it returns
+REQUIRE = {  # by name of the function `require_..`: the class that it returns
     name: get_type_hints(getattr(designs, name))["return"]
     for name in designs.__all__
-    if name.startswith("require_") and name != "require_design"  # which accepts all kinds
+    if name.startswith("require_") and name != "require_design"  # that one accepts all kinds
 }
 NARROWING = {*REQUIRE, "for_any_design"}
 MEMBERS = {
@@ -31,7 +32,7 @@ MEMBERS = {
     for name in (*vars(design_class), *design_class.__annotations__)
     if not name.startswith("_")
 }
-# What mypy records where the name of a kind is read.
+# The entries of mypy's record (mypy_reads.py) for a read of a kind's name.
 READS_OF_A_KIND = {f"{c.__module__}.{c.__name__}.kind" for c in (getattr(designs, name) for name in ("Design", *CLASSES))} | {
     f"{TubeOptions.__module__}.{TubeOptions.__name__}.design"
 }
@@ -39,20 +40,21 @@ IsRead = Callable[[ast.Attribute], bool]
 
 
 def is_called_a_kind(node: ast.Attribute) -> bool:
-    """Return whether an attribute has the name of one that is a kind: the guess where mypy recorded nothing."""
+    """Return whether an attribute's name says that it is a kind: the guess for a source that mypy did not record."""
     return node.attr == "kind" or (node.attr == "design" and ast.unparse(node.value).endswith("tube"))
 
 
 class Source:
     """A parsed source that knows the parent of every node, and which local names stand for classes of designs.
 
-    own_tables: names of the tables by kind that the source defines; tables: of all that it may look a kind up in.
+    defined_tables: names of the tables by kind that the source defines. tables: names of all tables that it may look a kind up in.
+    is_read: whether an attribute is a read of a kind's name.
     """
 
     def __init__(
-        self, text: str, own_tables: Collection[str], tables: Collection[str], is_read: IsRead = is_called_a_kind
+        self, text: str, defined_tables: Collection[str], tables: Collection[str], is_read: IsRead = is_called_a_kind
     ) -> None:
-        self.tree, self.own_tables, self.tables, self.is_read = ast.parse(text), own_tables, tables, is_read
+        self.tree, self.defined_tables, self.tables, self.is_read = ast.parse(text), defined_tables, tables, is_read
         self.nodes = list(ast.walk(self.tree))
         self.parents = {child: node for node in self.nodes for child in ast.iter_child_nodes(node)}
         imports = [alias for node in self.nodes if isinstance(node, ast.ImportFrom) for alias in node.names]
@@ -66,13 +68,14 @@ class Source:
         self.annotations = {node for part in annotations for node in ast.walk(part)}
 
     def ancestors(self, node: ast.AST) -> Iterator[ast.AST]:
+        """Yield the nodes around a node, the nearest first."""
         while node in self.parents:
             node = self.parents[node]
             yield node
 
     def is_key_of_a_table(self, node: ast.AST) -> bool:
         parent = self.parents.get(node)
-        return isinstance(parent, ast.Dict) and node in parent.keys and self.name_of_dict(parent) in self.own_tables
+        return isinstance(parent, ast.Dict) and node in parent.keys and self.name_of_dict(parent) in self.defined_tables
 
     def name_of_dict(self, node: ast.Dict) -> str:
         """Return the name that a statement of the module gives to the dictionary; "" where it has none."""
@@ -146,13 +149,13 @@ class Source:
                     yield self.name_of_dict(node), keys
 
 
-def lists_of_all_kinds(text: str) -> list[int]:
+def lines_that_list_all_kinds(text: str) -> list[int]:
     """Return the lines at which a source lists all kinds: a tuple, a list, a set or a Literal."""
     listed = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Tuple | ast.List | ast.Set)]
     return [n.lineno for n in listed if {v.value for v in n.elts if isinstance(v, ast.Constant)} >= KINDS]
 
 
-def comparisons(text: str) -> list[int]:
+def lines_that_compare_kinds(text: str) -> list[int]:
     """Return the lines at which a source compares something with the name of a kind."""
     compared = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.Compare | ast.MatchValue)]
     return [n.lineno for n in compared if any(isinstance(v, ast.Constant) and v.value in KINDS for v in ast.walk(n))]

@@ -1,4 +1,4 @@
-"""What mypy saw read in each source: the records of mypy_reads.py, brought up to date."""
+"""Reads the records that mypy_reads.py writes: which member of which class each line of a source reads."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.support.unused import Reads
 
 
 def reads_of(folder: Path, path: Path) -> Reads | None:
-    """What mypy sees read in a source; None where it does not check it."""
+    """Return the members that mypy sees read in a source, by position; None for a source that mypy does not check."""
     record = record_of(folder / ".mypy_cache", str(path.relative_to(folder)))
     if not record.exists():
         return None
@@ -23,6 +23,6 @@ def reads_of(folder: Path, path: Path) -> Reads | None:
 
 
 def run_mypy(folder: Path) -> None:
-    """Bring the records up to date: at once after the run of mypy in `make test`."""
-    done = subprocess.run([sys.executable, "-m", "mypy"], cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
+    """Run mypy, which brings the records up to date; it is quick after the run of mypy in `make test`."""
+    result = subprocess.run([sys.executable, "-m", "mypy"], cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr

@@ -1,4 +1,4 @@
-"""Pages of the report for the tests, each made once a process, and a browser that looks at them."""
+"""Pages of the report, each built once a process, and a browser that opens them (tests/report)."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from stt_codegen.report.figures.design_figures import design_report
 from stt_codegen.report.page.evidence import Evidence, evidence
 from stt_codegen.report.page.page import page
 from stt_codegen.task import load_task, parse_task
-from tests.support.absent import absent
 from tests.support.controllers import built
+from tests.support.missing_tools import skip_without
 
 ROOT = Path(__file__).parents[2]
 
@@ -46,7 +46,8 @@ HOLD = (ROOT / "tasks" / "omni_s2.toml").read_text().replace("[control]\n", '[co
 
 
 @cache
-def controller_of(kind: str) -> EmittedController:
+def controller_of_kind(kind: str) -> EmittedController:
+    """Return the controller whose page is tested: a kind of `KINDS`, or "moving", "hold", "stop" or "double"."""
     if kind == "moving":
         return built(parse_task(MOVING))
     if kind == "hold":
@@ -60,9 +61,10 @@ def controller_of(kind: str) -> EmittedController:
 
 
 @cache
-def made(kind: str) -> str:
-    controller = controller_of(kind)
-    if kind not in KINDS:  # of these the loop and the picture alone are looked at: the evidence is another's
+def report_html(kind: str) -> str:
+    """Return the report page of `controller_of_kind(kind)`."""
+    controller = controller_of_kind(kind)
+    if kind not in KINDS:  # tests look only at the loop and the picture of these pages, so the evidence may be another task's
         return page(controller, design_report(controller, 0.0), plain_evidence()).decode()
     source = ROOT / "tasks" / f"{KINDS[kind][0]}.toml"
     return page(controller, design_report(controller, 0.0), evidence(controller, source)).decode()
@@ -70,71 +72,77 @@ def made(kind: str) -> str:
 
 @cache
 def plain_evidence() -> Evidence:
-    return evidence(controller_of("plain"), ROOT / "tasks" / "omni_s2.toml")
+    """Return the evidence of the page "plain"."""
+    return evidence(controller_of_kind("plain"), ROOT / "tasks" / "omni_s2.toml")
 
 
-def data_of(text: str, name: str = "data") -> dict[str, Any]:
-    found = re.search(rf'<script id="{name}" type="application/json">(.*?)</script>', text, re.S)
-    assert found is not None
-    data: dict[str, Any] = json.loads(found[1])
+def data_block(text: str, name: str = "data") -> dict[str, Any]:
+    """Return the JSON document in the page's script element with this id."""
+    match = re.search(rf'<script id="{name}" type="application/json">(.*?)</script>', text, re.S)
+    assert match is not None
+    data: dict[str, Any] = json.loads(match[1])
     return data
 
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """Chromium, driven by Playwright: a visible skip without it, a failure in CI."""
+    """Start Chromium under Playwright; without it the test is skipped, and fails in CI."""
     chromium = shutil.which("chromium")
     if chromium is None:
-        absent("chromium is not installed; `.ci/tools test` installs it")
+        skip_without("chromium is not installed; `.ci/tools test` installs it")
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as play:
-        found = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        yield found
-        found.close()
+        browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        yield browser
+        browser.close()
 
 
-class Open:
-    """A page in the browser; what it says on the console, and what it asks for, is kept."""
+class OpenPage:
+    """A page that is open in the browser, with its console messages and the URLs that it requested.
+
+    As a context manager it closes the page, and fails where there was a message or a request beyond local files."""
 
     def __init__(self, browser: Any, path: Path, width: int = 1280, scheme: str = "light", **context: Any) -> None:
-        self.said, self.asked = list[str](), list[str]()
+        self.console_messages, self.requested_urls = list[str](), list[str]()
         self.context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, **context)
         self.page = self.context.new_page()
-        self.page.on("console", lambda message: self.said.append(message.text))
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
-        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.page.on("console", lambda message: self.console_messages.append(message.text))
+        self.page.on("pageerror", lambda error: self.console_messages.append(str(error)))
+        self.page.on("request", lambda request: self.requested_urls.append(request.url))
         self.page.goto(path.as_uri())
-        self.until("document.querySelectorAll('#strips svg').length === 1")
+        self.wait_until("document.querySelectorAll('#strips svg').length === 1")
 
-    def until(self, expression: str, seconds: float = 30.0) -> None:
-        """Wait for something to be true; the page's own policy forbids to have it evaluated there again and again."""
+    def wait_until(self, expression: str, seconds: float = 30.0) -> None:
+        """Wait until a JavaScript expression is true. Polls from outside, because the page's content policy forbids eval in it."""
         for _ in range(int(seconds * 20)):
             if self.page.evaluate(expression):
                 return
             self.page.wait_for_timeout(50)
         pytest.fail(f"not within {seconds} s: {expression}")
 
-    def look_at(self, view: int) -> None:
-        """Choose a view, where there are several."""
+    def choose_view(self, view: int) -> None:
+        """Choose the plane that the picture shows, where the page offers several."""
         if self.page.locator("#plane option").count() > 1:
             self.page.select_option("#plane", str(view))
 
-    def __enter__(self) -> Open:
+    def __enter__(self) -> OpenPage:
         return self
 
     def __exit__(self, *error: object) -> None:
         self.context.close()
         if error[0] is None:
-            assert self.said == []
-            assert all(url.startswith(("file:", "blob:")) for url in self.asked)
+            assert self.console_messages == []
+            assert all(url.startswith(("file:", "blob:")) for url in self.requested_urls)
 
 
 @pytest.fixture
-def opened(browser: Any, tmp_path: Path) -> Any:
-    def look(kind: str, **how: Any) -> Open:
-        path = tmp_path / f"{kind.replace(' ', '_')}.html"
-        path.write_text(made(kind))
-        return Open(browser, path, **how)
+def open_page(browser: Any, tmp_path: Path) -> Any:
+    """Return a function that opens the page of a kind, with the options of `OpenPage`."""
 
-    return look
+    def open_kind(kind: str, **options: Any) -> OpenPage:
+        path = tmp_path / f"{kind.replace(' ', '_')}.html"
+        path.write_text(report_html(kind))
+        return OpenPage(browser, path, **options)
+
+    return open_kind

@@ -1,6 +1,7 @@
-"""Recipes of CONTRIBUTING.md, followed: what a section tells to change, and a sample made by it in a copy of the repository.
+"""Follows recipes of CONTRIBUTING.md in a copy of the repository, for tests/recipes.
 
-A recipe names each place to change by a link in bold: a file, or a folder for new files. Other links are examples.
+A recipe is a section that says how to add something, such as a board. It names each place to change by a link in bold: a file, or a
+folder for new files. Other links are examples.
 """
 
 from __future__ import annotations
@@ -32,29 +33,29 @@ COPIED = (
     "locks",
 )
 SAMPLES = ROOT / "tests" / "recipes" / "samples"
-Edits = Mapping[str, Sequence[tuple[str, str]]]  # by path: a text that stands there once, and what comes in its place
+Edits = Mapping[str, Sequence[tuple[str, str]]]  # by path: pairs of a text that occurs there once, and its replacement
 
 
 def section(title: str, page: str = PAGE) -> str:
-    """Return the text of a section."""
+    """Return the text of the page's section with this title."""
     (text,) = re.findall(rf"^## {title}\n(.*?)(?=^## |\Z)", page, re.M | re.S)
     return str(text)
 
 
-def places(text: str) -> set[str]:
-    """Return the places that a recipe tells to change: paths of its links in bold."""
+def places_to_change(text: str) -> set[str]:
+    """Return the paths that a recipe says to change: those of its links in bold."""
     return {path.rstrip("/") for path in re.findall(r"\*\*\[[^\]]*\]\(([^)#]+)\)\*\*", text)}
 
 
-def commands(text: str) -> list[str]:
-    """Return the shell commands that write a file, which a recipe tells to run."""
+def commands_in(text: str) -> list[str]:
+    """Return the shell commands of a recipe that write a file."""
     return re.findall(r"`(stt-codegen [^`]* > [^`]*)`", text)
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Something that is added by a recipe. title: of its section; edits: of files that are there; files: the folder of `SAMPLES` with
-    its new files, if it has any."""
+    """An addition that follows a recipe: the title of its section, its edits of existing files, and, where it has new files, their
+    folder in `SAMPLES`."""
 
     title: str
     edits: Edits
@@ -66,7 +67,7 @@ class Sample:
 
 
 def copy_of_the_repository(folder: Path) -> Path:
-    """Return a copy of all that recipes are about, inside the folder."""
+    """Copy everything that a recipe may change into the folder, and return the copy's path."""
     copy = folder / "copy"
     for name in COPIED:
         source = ROOT / name
@@ -77,8 +78,8 @@ def copy_of_the_repository(folder: Path) -> Path:
     return copy
 
 
-def follow(sample: Sample, copy: Path) -> None:
-    """Make the sample in a copy: its new files, its edits, and the commands of the recipe."""
+def follow_recipe(sample: Sample, copy: Path) -> None:
+    """Add the sample to a copy: its new files, its edits, and the output of the recipe's commands."""
     if sample.files:
         shutil.copytree(SAMPLES / sample.files, copy, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
     for path, changes in sample.edits.items():
@@ -87,41 +88,41 @@ def follow(sample: Sample, copy: Path) -> None:
             assert text.count(old) == 1, (path, old, text.count(old))
             text = text.replace(old, new)
         (copy / path).write_text(text)
-    for command in commands(sample.recipe):
-        done = in_copy(copy, *command.partition(" > ")[0].split()[1:])
-        assert done.returncode == 0, done.stderr
-        (copy / command.partition(" > ")[2]).write_text(done.stdout)
+    for command in commands_in(sample.recipe):
+        result = run_in_copy(copy, *command.partition(" > ")[0].split()[1:])
+        assert result.returncode == 0, result.stderr
+        (copy / command.partition(" > ")[2]).write_text(result.stdout)
 
 
-def in_copy(copy: Path, *arguments: str, module: str = "stt_codegen.cli") -> subprocess.CompletedProcess[str]:
-    """Run the command line, or a module, of the copy."""
+def run_in_copy(copy: Path, *arguments: str, module: str = "stt_codegen.cli") -> subprocess.CompletedProcess[str]:
+    """Run the copy's command line, or another module of the copy, with these arguments."""
     environment = {**os.environ, "PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
     command = [sys.executable, "-m", module, *arguments]
     return subprocess.run(command, cwd=copy, env=environment, capture_output=True, text=True, check=False)
 
 
-def pytest_in_copy(copy: Path, *arguments: str) -> None:
-    """Run tests of the copy, in its own process; AssertionError with what they say where one fails or none ran."""
-    done = in_copy(copy, "-q", "-n", "0", "-p", "no:cacheprovider", *arguments, module="pytest")
-    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-2000:]
+def run_pytest_in_copy(copy: Path, *arguments: str) -> None:
+    """Run tests of the copy in a new process; AssertionError with their output where one fails or none ran."""
+    result = run_in_copy(copy, "-q", "-n", "0", "-p", "no:cacheprovider", *arguments, module="pytest")
+    assert result.returncode == 0, result.stdout[-3000:] + result.stderr[-2000:]
 
 
-def touched(copy: Path, original: Path = ROOT) -> set[str]:
-    """Return the files of a copy that are new, or other than in the original."""
+def changed_files(copy: Path, original: Path = ROOT) -> set[str]:
+    """Return the files of a copy that are new, or differ from the original."""
     paths = [p for name in COPIED for p in ((copy / name).rglob("*") if (copy / name).is_dir() else [copy / name])]
     files = [p.relative_to(copy) for p in paths if p.is_file() and "__pycache__" not in p.parts]
     return {str(p) for p in files if not (original / p).is_file() or (original / p).read_bytes() != (copy / p).read_bytes()}
 
 
-def astray(named: set[str], changed: set[str], original: Path = ROOT) -> list[str]:
-    """Return what is wrong with a recipe that names these places, where what it adds changed these files."""
-    told = [f"{path}: is named, and is not there" for path in sorted(named) if not (original / path).exists()]
+def mismatches(named: set[str], changed: set[str], original: Path = ROOT) -> list[str]:
+    """Return a message for each difference between the paths that a recipe names and the files that its sample changed."""
+    messages = [f"{path}: is named, and is not there" for path in sorted(named) if not (original / path).exists()]
     new = {path for path in changed if not (original / path).exists()}
     for path in sorted(changed):
-        in_a_folder = path in new and any((original / place).is_dir() and path.startswith(place + "/") for place in named)
-        if path not in named and not in_a_folder:
-            told.append(f"{path}: is changed, and is not named")
-    for place in sorted(named):
-        if not any(path == place or (path in new and path.startswith(place + "/")) for path in changed):
-            told.append(f"{place}: is named, and nothing is changed there")
-    return told
+        is_in_named_folder = path in new and any((original / p).is_dir() and path.startswith(p + "/") for p in named)
+        if path not in named and not is_in_named_folder:
+            messages.append(f"{path}: is changed, and is not named")
+    for path in sorted(named):
+        if not any(file == path or (file in new and file.startswith(path + "/")) for file in changed):
+            messages.append(f"{path}: is named, and nothing is changed there")
+    return messages

@@ -1,7 +1,10 @@
-"""Names that nothing uses: members are counted by their class, which the records of mypy_reads.py tell, and names by their module.
+"""Finds names that nothing uses, for tests/test_unused.py: members of classes, and names of modules.
 
-A use is a read. A value that is only stored, passed to its class's constructor or copied by `replace` is dead. Where mypy does not
-know the class of a value, `value.name` is a use of all members of that name. In a source that mypy does not check it is no use.
+A use is a read. A value that is only stored, passed to its class's constructor or copied by `replace` is unused. The records of
+mypy_reads.py say of which class a member is read. Where mypy does not know the class of a value, `value.name` counts as a use of all
+members of that name; in a source that mypy does not check it counts as none.
+
+A face is a module that only passes on names which it imports; such an import is no use.
 
 Long because Python has many ways to use a name: attributes, patterns, `getattr` with a computed name, `asdict`, faces, decorators.
 """
@@ -33,7 +36,7 @@ def first_argument(node: ast.AST) -> str | None:
 
 
 def statements(node: ast.AST) -> Iterator[ast.stmt]:
-    """All statements inside of a node, at any depth."""
+    """Yield all statements inside of a node, at any depth."""
     for inner in ast.iter_child_nodes(node):
         if isinstance(inner, ast.stmt):
             yield inner
@@ -42,7 +45,7 @@ def statements(node: ast.AST) -> Iterator[ast.stmt]:
 
 
 def names_bound(statement: ast.stmt) -> Iterator[str]:
-    """Names that a statement of a module or class defines, imports apart."""
+    """Yield the names that a statement of a module or class defines, except imports."""
     if isinstance(statement, Scope):
         yield statement.name
     elif isinstance(statement, ast.Assign | ast.AnnAssign):
@@ -53,13 +56,13 @@ def names_bound(statement: ast.stmt) -> Iterator[str]:
 
 
 def names_read(source: str) -> set[str]:
-    """Names of the module that a statement of it reads, in any scope inside of the statement."""
+    """Return the module's names that a statement reads, in any scope inside of the statement."""
     pending, read = [symtable.symtable(source, "statement", "exec")], set()
     while pending:
         table = pending.pop()
         pending += table.get_children()
-        at_top = table.get_type() == "module"
-        read |= {s.get_name() for s in table.get_symbols() if s.is_referenced() and (at_top or s.is_global())}
+        is_module_scope = table.get_type() == "module"
+        read |= {s.get_name() for s in table.get_symbols() if s.is_referenced() and (is_module_scope or s.is_global())}
     return read
 
 
@@ -73,7 +76,7 @@ class Class:
     members: dict[str, int] = field(default_factory=dict)
     fields: list[str] = field(default_factory=list)  # in the order of the constructor
     methods: set[str] = field(default_factory=set)
-    annotations: set[str] = field(default_factory=set)  # what its fields are, by full name
+    annotations: set[str] = field(default_factory=set)  # full names of its fields' types
 
     @property
     def name(self) -> str:
@@ -82,7 +85,7 @@ class Class:
 
 @dataclass
 class Module:
-    """A source, what its names stand for, and what mypy knows of its reads (None: mypy does not check it)."""
+    """A source, what its names stand for, and the members that mypy sees it read (None: mypy does not check it)."""
 
     name: str
     text: str
@@ -106,18 +109,18 @@ class Module:
         return ast.parse(self.text)
 
 
-class House:
-    """All sources, and the uses that are counted in them."""
+class UseCensus:
+    """All sources, and the uses that are counted in them. A full name is `package.module.Class.member`."""
 
     def __init__(self, modules: list[Module]) -> None:
         self.modules = {m.name: m for m in modules}
         self.packages = {name.split(".")[0] for name in self.modules}
         self.classes: dict[str, Class] = {}
         self.class_at: dict[tuple[str, int], str] = {}  # by module and line
-        self.known: set[tuple[str, str]] = set()  # (class, member) that is read of a value of the class
-        self.unknown: set[str] = set()  # members that are read of values whose class mypy does not know
-        self.of_libraries: set[str] = set()  # members that are read of a library's values
-        self.of_modules: set[str] = set()  # names that are read of modules which are values
+        self.read_members: set[tuple[str, str]] = set()  # (class, member) that is read of a value of the class
+        self.members_of_unknown_class: set[str] = set()  # members that are read of values whose class mypy does not know
+        self.members_of_libraries: set[str] = set()  # members that are read of a library's values
+        self.names_of_modules: set[str] = set()  # names that are read of modules which are values
         self.used: set[str] = set()  # full names of functions, classes and constants of modules
         for module in modules:
             self.collect_classes(module, module.tree, module.name)
@@ -126,11 +129,11 @@ class House:
             self.collect_names(module)
 
     def is_face(self, module: Module) -> bool:
-        """Whether a module passes names on: its imports are no use."""
+        """Return whether a module passes names on, so that its imports are no use."""
         return "__all__" in module.definitions or any(name.startswith(f"{module.name}.") for name in self.modules)
 
     def resolve(self, fullname: str) -> str:
-        """The full name by which a name is defined, of a name that is imported from a face."""
+        """Return the full name under which a name is defined, where the given one goes through faces."""
         for _ in range(10):
             face, _, last = fullname.rpartition(".")
             if face in self.modules and last in self.modules[face].imports:  # before a module of that name
@@ -146,7 +149,7 @@ class House:
         return fullname
 
     def name_in(self, module: Module, node: ast.expr) -> str | None:
-        """The full name that an expression `a.b.c` stands for, where `a` is imported or defined in the module."""
+        """Return the full name that an expression `a.b.c` stands for, where `a` is imported or defined in the module; else None."""
         match node:
             case ast.Name():
                 if node.id in module.definitions:
@@ -160,6 +163,7 @@ class House:
         return None
 
     def collect_classes(self, module: Module, tree: ast.AST, prefix: str, is_local: bool = False) -> None:
+        """Add the classes that a module defines, inside of functions and classes too."""
         for node in ast.iter_child_nodes(tree):
             if isinstance(node, ast.ClassDef):
                 fullname = f"{module.name}.{node.name}@{node.lineno}" if is_local else f"{prefix}.{node.name}"
@@ -170,7 +174,7 @@ class House:
                 self.collect_classes(module, node, prefix, is_local or isinstance(node, Scope))
 
     def class_of(self, module: Module, node: ast.ClassDef, fullname: str) -> Class:
-        """The class with the members that its body defines and those that its methods store in their first argument."""
+        """Return the class with the members that its body defines and those that its methods store in their first argument."""
         result = Class(fullname, module)
         for base in node.bases:
             result.bases.append(self.name_in(module, base) or ast.unparse(base))
@@ -183,7 +187,7 @@ class House:
                 result.annotations |= {n for n in parts if n}
             if isinstance(statement, ast.FunctionDef):
                 if self.is_registered(module, statement):
-                    self.known.add((fullname, statement.name))
+                    self.read_members.add((fullname, statement.name))
                 result.methods.add(statement.name)
                 subject = first_argument(statement)
                 for inner in ast.walk(statement):
@@ -193,19 +197,19 @@ class House:
         return result
 
     def is_registered(self, module: Module, node: Scope) -> bool:
-        """Whether a decorator hands the function to a library that will call it."""
+        """Return whether a decorator passes the function to a library that will call it."""
         names = [self.name_in(module, d) or ast.unparse(d) for d in node.decorator_list]
         return any(n.split(".")[0] not in PLAIN_DECORATORS and not n.endswith((".setter", ".deleter")) for n in names)
 
     def values_of(self, module: Module, node: ast.Name) -> Iterator[ast.AST]:
-        """The syntax of the value of a constant that a name stands for."""
+        """Yield the syntax nodes of the value of a constant that a name stands for."""
         owner, _, name = (self.name_in(module, node) or "").rpartition(".")
         for statement in self.modules[owner].tree.body if owner in self.modules else ():
             if isinstance(statement, ast.Assign | ast.AnnAssign) and statement.value and name in names_bound(statement):
                 yield from ast.walk(statement.value)
 
     def collect_names(self, module: Module) -> None:
-        """Uses of names of modules: read in another statement of their module, or imported from it."""
+        """Add uses of names of modules: a name is read in another statement of its module, or imported from it."""
         lines = module.text.splitlines()
         for statement in module.tree.body:
             if isinstance(statement, ast.Import | ast.ImportFrom):
@@ -225,11 +229,11 @@ class House:
                     self.use(f"{node.module}.{a.name}")
 
     def use(self, fullname: str) -> None:
-        """Count a use of a name, by its face and by its definition."""
+        """Count a use of a name, under the face that it is imported from and under its definition."""
         self.used |= {fullname, self.resolve(fullname)}
 
     def ancestors(self, fullname: str) -> list[str]:
-        """The class itself and all above it, the nearest first; classes of libraries by the names that they are written by."""
+        """Return the class and all its base classes, the nearest first; those of libraries as the source writes them."""
         bases = self.classes[fullname].bases if fullname in self.classes else []
         return [fullname, *(a for base in bases for a in self.ancestors(base))]
 
@@ -238,7 +242,7 @@ class House:
 
     @cached_property
     def below(self) -> dict[str, set[str]]:
-        """By class: itself and all that inherit from it."""
+        """Return, by class, the class itself and all that inherit from it."""
         result: dict[str, set[str]] = defaultdict(set)
         for fullname in self.classes:
             for above in self.ancestors(fullname):
@@ -249,13 +253,13 @@ class House:
         return {n for a in self.ancestors(fullname) if a in self.classes for n in self.classes[a].members}
 
     def constructor_fields(self, fullname: str) -> list[str]:
-        """The fields of a class and of all above it, in the order of the constructor."""
+        """Return the fields of a class and of its base classes, in the order of the constructor."""
         above = [a for a in self.ancestors(fullname) if a in self.classes]
         return [*dict.fromkeys(chain.from_iterable(self.classes[a].fields for a in reversed(above)))]
 
-    def read_at_once(self) -> set[tuple[str, str]]:
-        """Members of classes all of whose fields are read, and of the classes that those fields are of."""
-        pending, result = {c for c, name in self.known if name == ALL}, set()
+    def members_read_together(self) -> set[tuple[str, str]]:
+        """Return the members of classes all of whose fields are read at once (`asdict`), and of the classes of those fields."""
+        pending, result = {c for c, name in self.read_members if name == ALL}, set()
         visited: set[str] = set()
         while pending := (pending - visited) & self.classes.keys():
             visited |= pending
@@ -264,10 +268,10 @@ class House:
             pending = {n for c in classes for n in (*c.annotations, *self.ancestors(c.fullname), *self.below[c.fullname])}
         return result
 
-    def members_unused(self) -> list[tuple[Class, str]]:
-        """Members that are read nowhere, those of a tuple apart, which is unpacked by position."""
-        used = self.read_at_once()
-        for fullname, name in self.known:
+    def unused_members(self) -> list[tuple[Class, str]]:
+        """Return members that are read nowhere, except fields of a NamedTuple, which is unpacked by position."""
+        used = self.members_read_together()
+        for fullname, name in self.read_members:
             definer = next(
                 (a for a in self.ancestors(fullname) if a in self.classes and name in self.classes[a].members), fullname
             )
@@ -280,25 +284,25 @@ class House:
             for c in self.classes.values()
             for name in c.members
             if (c.fullname, name) not in used
-            and name not in self.unknown
+            and name not in self.members_of_unknown_class
             and not is_dunder(name)
             and not ("typing.NamedTuple" in c.bases and name in c.fields)
-            and (name not in self.of_libraries or self.has_plain_bases(c.fullname))
+            and (name not in self.members_of_libraries or self.has_plain_bases(c.fullname))
         ]
 
-    def names_unused(self) -> list[tuple[Module, str]]:
-        names = ((m, name) for m in self.modules.values() for name in m.definitions if name not in self.of_modules)
+    def unused_names(self) -> list[tuple[Module, str]]:
+        names = ((m, name) for m in self.modules.values() for name in m.definitions if name not in self.names_of_modules)
         return [(m, name) for m, name in names if f"{m.name}.{name}" not in self.used and not is_dunder(name)]
 
 
 class MemberReads(ast.NodeVisitor):
-    """Adds the members that a module reads to what the house knows."""
+    """Adds the members that a module reads to the census."""
 
-    def __init__(self, house: House, module: Module) -> None:
-        self.house, self.module = house, module
+    def __init__(self, census: UseCensus, module: Module) -> None:
+        self.census, self.module = census, module
         self.scopes: list[Scope] = []
         self.keywords: list[tuple[str, str]] = []  # (function, keyword) of the calls around
-        self.unknown = set() if module.reads is None else house.unknown
+        self.members_of_unknown_class = set() if module.reads is None else census.members_of_unknown_class
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
         self.visit_scope(node)
@@ -307,6 +311,7 @@ class MemberReads(ast.NodeVisitor):
         self.visit_scope(node)
 
     def visit_scope(self, node: Scope) -> None:
+        """Visit the decorators outside of the scope, and the rest inside of it."""
         for decorator in node.decorator_list:
             self.visit(decorator)
         self.scopes.append(node)
@@ -315,12 +320,13 @@ class MemberReads(ast.NodeVisitor):
                 self.visit(inner)
         self.scopes.pop()
 
-    def recorded(self, node: ast.expr, name: str) -> set[str]:
-        """Classes of which mypy sees `name` read at the position of the expression."""
+    def recorded_classes(self, node: ast.expr, name: str) -> set[str]:
+        """Return the classes of which mypy sees `name` read at the position of the expression."""
         reads = (self.module.reads or {}).get((node.lineno, node.col_offset), ())
         return {n.removesuffix(f".{name}") for n in reads if n.endswith(f".{name}")}
 
     def visit_Call(self, node: ast.Call) -> None:
+        """Remember the keywords around each argument, and record calls that read all fields or a field of a computed name."""
         function = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
         for inner in (node.func, *node.args):
             self.visit(inner)
@@ -328,65 +334,67 @@ class MemberReads(ast.NodeVisitor):
             self.keywords.append((function, keyword.arg or ""))
             self.visit(keyword.value)
             self.keywords.pop()
-        self.house.known |= {(c, ALL) for c in self.recorded(node, ALL)}
+        self.census.read_members |= {(c, ALL) for c in self.recorded_classes(node, ALL)}
         if function == "getattr":
             self.read_computed_name(node)
 
     def read_computed_name(self, node: ast.Call) -> None:
-        """`getattr(x, name)`: any string of the function may be the name, or of the constants that the function names."""
-        classes, name = self.recorded(node, "?") & self.house.classes.keys(), node.args[1]
+        """Record `getattr(x, name)`: the name may be any string in the function, or in the constants that the function uses."""
+        classes, name = self.recorded_classes(node, "?") & self.census.classes.keys(), node.args[1]
         function = next((f for f in reversed(self.scopes) if isinstance(f, ast.FunctionDef)), self.module.tree)
         nodes: list[ast.AST] = [name] if isinstance(name, ast.Constant) else [*ast.walk(function)]
-        nodes += [v for n in nodes if isinstance(n, ast.Name) for v in self.house.values_of(self.module, n)]
+        nodes += [v for n in nodes if isinstance(n, ast.Name) for v in self.census.values_of(self.module, n)]
         texts = {n.value for n in nodes if isinstance(n, ast.Constant) and isinstance(n.value, str)}
         is_parameter = isinstance(name, ast.Name) and any(isinstance(n, ast.arg) and n.arg == name.id for n in nodes)
         lists_fields = any(isinstance(n, ast.Attribute) and n.attr in {"model_fields", "model_fields_set"} for n in nodes)
         if isinstance(name, ast.JoinedStr):
             start = name.values[0].value if isinstance(name.values[0], ast.Constant) else ""
-            below = chain.from_iterable(self.house.below[c] for c in classes)
-            texts |= {m for d in below for m in self.house.members_of(d) if m.startswith(start)}
+            below = chain.from_iterable(self.census.below[c] for c in classes)
+            texts |= {m for d in below for m in self.census.members_of(d) if m.startswith(start)}
         if not classes:
-            self.unknown |= texts
-        self.house.known |= {(c, t) for c in classes for t in ([ALL] if is_parameter or lists_fields else texts)}
+            self.members_of_unknown_class |= texts
+        self.census.read_members |= {(c, t) for c in classes for t in ([ALL] if is_parameter or lists_fields else texts)}
 
     def visit_MatchClass(self, node: ast.MatchClass) -> None:
-        fullname = self.house.name_in(self.module, node.cls) or ""
-        fields = self.house.constructor_fields(fullname) if fullname in self.house.classes else []
+        """Record the members that a class pattern compares or binds; a wildcard reads nothing."""
+        fullname = self.census.name_in(self.module, node.cls) or ""
+        fields = self.census.constructor_fields(fullname) if fullname in self.census.classes else []
         patterns = [*zip(fields, node.patterns, strict=False), *zip(node.kwd_attrs, node.kwd_patterns, strict=True)]
         is_wildcard = [isinstance(p, ast.MatchAs) and p.name is None and p.pattern is None for _, p in patterns]
-        self.house.known |= {(fullname, n) for (n, _), wild in zip(patterns, is_wildcard, strict=True) if not wild}
+        self.census.read_members |= {(fullname, n) for (n, _), wild in zip(patterns, is_wildcard, strict=True) if not wild}
         self.generic_visit(node)
 
     def visit_Attribute(self, node: ast.Attribute) -> None:
+        """Record the read of an attribute, by its class where that is known."""
         self.generic_visit(node)
         if not isinstance(node.ctx, ast.Load):
             return
-        classes, base = self.recorded(node, node.attr), self.base_of(node.value)
-        if base in self.house.modules:
-            self.house.use(f"{base}.{node.attr}")
-        elif base in self.house.classes:
+        classes, base = self.recorded_classes(node, node.attr), self.base_of(node.value)
+        if base in self.census.modules:
+            self.census.use(f"{base}.{node.attr}")
+        elif base in self.census.classes:
             classes = classes or {base}
         elif base is None and not classes:
-            self.unknown.add(node.attr)
+            self.members_of_unknown_class.add(node.attr)
         for fullname in classes:
             if fullname == "types.ModuleType":
-                self.house.of_modules.add(node.attr)
-            elif fullname not in self.house.classes:
-                self.house.of_libraries.add(node.attr)
-            elif not self.feeds_itself(fullname, node.attr):
-                self.house.known.add((fullname, node.attr))
+                self.census.names_of_modules.add(node.attr)
+            elif fullname not in self.census.classes:
+                self.census.members_of_libraries.add(node.attr)
+            elif not self.is_read_for_itself(fullname, node.attr):
+                self.census.read_members.add((fullname, node.attr))
 
     def base_of(self, node: ast.expr) -> str | None:
-        """The module or class that an expression is, or whose method's first argument it is; None where that is not known."""
+        """Return the module or class that an expression is, or whose `self` it is; None where that is not known."""
         methods = [(c, f) for c, f in pairwise(self.scopes) if isinstance(c, ast.ClassDef) and isinstance(f, ast.FunctionDef)]
         if isinstance(node, ast.Name) and methods and node.id == first_argument(methods[-1][1]):
-            return self.house.class_at[self.module.name, methods[-1][0].lineno]
-        name = None if isinstance(node, ast.Call | ast.Subscript) else self.house.name_in(self.module, node)
-        if name is None or name in self.house.classes or name in self.house.modules:
+            return self.census.class_at[self.module.name, methods[-1][0].lineno]
+        name = None if isinstance(node, ast.Call | ast.Subscript) else self.census.name_in(self.module, node)
+        if name is None or name in self.census.classes or name in self.census.modules:
             return name
-        return None if name.split(".")[0] in self.house.packages else name
+        return None if name.split(".")[0] in self.census.packages else name
 
-    def feeds_itself(self, fullname: str, name: str) -> bool:
-        """Whether the read is in the definition of what is read, or goes to the same field of a copy alone."""
-        owner, scopes = self.house.classes[fullname].name, [s.name for s in self.scopes]
+    def is_read_for_itself(self, fullname: str, name: str) -> bool:
+        """Return whether the read is in the definition of what is read, or only fills the same field of a copy."""
+        owner, scopes = self.census.classes[fullname].name, [s.name for s in self.scopes]
         return (owner, name) in pairwise(scopes) or any(f in {owner, *COPIES} and k == name for f, k in self.keywords)

@@ -1,6 +1,7 @@
-"""Definitions and statements of proof/ that nothing uses, by their text: what is used stands as a word in what comes after.
+"""Finds definitions and statements of proof/ (Coq) that nothing uses, for tests/test_unused.py.
 
-A bound variable of the same name hides a dead definition from this; `unreferenced` reads coqc's own index, which knows better.
+`unused_definitions` reads the text: a used name is a word of a later sentence. A bound variable of the same name hides an unused
+definition from it. `unreferenced_names` reads the index that coqc writes, which has no such gap.
 """
 
 from __future__ import annotations
@@ -11,16 +12,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_']*")
-# Hypotheses and variables are left out, for tactics use them unnamed.
+# Hypotheses and variables are left out, because tactics use them without their names.
 DEFINES = re.compile(
     r"^[\s\-+*{}]*(?:(?:Local|Global)\s+)*(Definition|Fixpoint|Inductive|Record|Lemma|Theorem|Corollary|Let|Ltac|Notation)\s+"
     r"([A-Za-z_][A-Za-z0-9_']*)"
 )
-PLAIN = re.compile(
+NO_DEFINITION = re.compile(
     r"^\s*(?:Section|End|Variables?|Hypothes[ie]s|Context|From|Require|Open|Set|Declare|Delimit|Arguments|Global|Local)\b"
 )
-# Names that come with a definition: by `with`, constructors, fields. A use of any is enough, for a record is taken apart by position.
-BESIDE = {
+# Further names that a definition defines: after `with`, constructors, fields. A use of any is enough, because a record is unpacked by position.
+FURTHER_NAMES = {
     "Fixpoint": re.compile(r"\bwith\s+([A-Za-z_][A-Za-z0-9_']*)\s*[({:]"),
     "Inductive": re.compile(r"(?:\bwith\b|\|)\s*([A-Za-z_][A-Za-z0-9_']*)"),
     "Record": re.compile(r"(?:[{;]|:=)\s*([A-Za-z_][A-Za-z0-9_']*)\s*[:{]"),
@@ -29,8 +30,8 @@ KINDS = {"prf", "def", "ind", "rec", "constr", "abbrev", "scheme"}  # of coqc's 
 
 
 @dataclass
-class Part:
-    """A sentence of a file, with its proof: the names that it defines, what it is called by first, and all words in it."""
+class Sentence:
+    """A sentence of a file together with its proof: its line, the names that it defines, its own first, and all its words."""
 
     line: int
     names: list[str] = field(default_factory=list)
@@ -38,7 +39,7 @@ class Part:
 
 
 def without_comments(text: str) -> str:
-    """The text with comments, which may be nested, and strings left blank; lines stay."""
+    """Return the text with its comments, which may be nested, and its strings replaced by blanks; line breaks stay."""
     depth, result, in_string = 0, [], False
     for token in re.findall(r'\(\*|\*\)|"|\n|.', text):
         if token == '"':
@@ -50,36 +51,36 @@ def without_comments(text: str) -> str:
     return "".join(result)
 
 
-def parts(text: str) -> Iterator[Part]:
-    """The sentences of a file; those of a proof belong to what they prove."""
-    part, line = Part(1), 1
-    for sentence in re.split(r"(?<=\.)(?=\s)", without_comments(text)):
-        head = DEFINES.match(sentence)
-        if head or PLAIN.match(sentence):
-            yield part
-            blank = len(sentence) - len(sentence.lstrip())
-            part = Part(line + sentence[:blank].count("\n"))
+def sentences(text: str) -> Iterator[Sentence]:
+    """Yield the sentences of a file; those of a proof are part of the sentence that they prove."""
+    sentence, line = Sentence(1), 1
+    for text_of_sentence in re.split(r"(?<=\.)(?=\s)", without_comments(text)):
+        head = DEFINES.match(text_of_sentence)
+        if head or NO_DEFINITION.match(text_of_sentence):
+            yield sentence
+            blank = len(text_of_sentence) - len(text_of_sentence.lstrip())
+            sentence = Sentence(line + text_of_sentence[:blank].count("\n"))
         if head:
-            part.names = [head[2], *(BESIDE[head[1]].findall(sentence) if head[1] in BESIDE else ())]
-        part.words |= set(WORD.findall(sentence))
-        line += sentence.count("\n")
-    yield part
+            sentence.names = [head[2], *(FURTHER_NAMES[head[1]].findall(text_of_sentence) if head[1] in FURTHER_NAMES else ())]
+        sentence.words |= set(WORD.findall(text_of_sentence))
+        line += text_of_sentence.count("\n")
+    yield sentence
 
 
-def unused_in(texts: dict[str, str], outside: Iterable[str]) -> list[str]:
-    """Names of files, in the order in which they are compiled, that are no word of a later sentence nor of the texts outside."""
-    after = {word for text in outside for word in WORD.findall(text)}
+def unused_definitions(texts: dict[str, str], outside: Iterable[str]) -> list[str]:
+    """Return definitions that no later sentence and no outside text uses. texts: by file, in the order of compilation."""
+    later_words = {word for text in outside for word in WORD.findall(text)}
     result = []
     for name, text in reversed(texts.items()):
-        for part in reversed([*parts(text)]):
-            if part.names and not after & set(part.names):
-                result.append(f"{name}, line {part.line}: {part.names[0]}")
-            after |= part.words - set(part.names)
+        for sentence in reversed([*sentences(text)]):
+            if sentence.names and not later_words & set(sentence.names):
+                result.append(f"{name}, line {sentence.line}: {sentence.names[0]}")
+            later_words |= sentence.words - set(sentence.names)
     return result[::-1]
 
 
-def unreferenced(compiled: Path, names: Iterable[str]) -> set[str]:
-    """Names that coqc's index of the compiled library defines and refers to nowhere."""
+def unreferenced_names(compiled: Path, names: Iterable[str]) -> set[str]:
+    """Return the names that coqc's index of the compiled library defines and never refers to. names: of its files."""
     indices = {name: (compiled / f"{name}.glob").read_text() for name in names}
     used = {
         (match[1], match[2])
