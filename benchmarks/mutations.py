@@ -1,14 +1,16 @@
-"""Does the certificate ever say yes to a tube that is not safe? Mutated tubes and tasks, judged by roots (oracles/tubes.py).
+"""Count false certificates: mutated tubes and tasks that tool or checker verify, although an oracle finds them unsafe.
 
     python -m benchmarks mutations [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--integers]
                                    [--shapes | --moving | --inertia]
                                    [--first 0] [--record FILE.md]
 
-The mutants are those of `mutants/tubes.py`; with --inertia those of `mutants/order_two.py`, judged by `oracles/order_two.py`
-too, and, every fourth, of `mutants/sampled.py`, which a run of `oracles/sampled.py` may refute; with --integers those of
-controllers in integers. The tool's certificate is asked, and the stand-alone checker, which gets files whose certificate claims
-success, so that only its own proof can refuse. Prints one table; exit code 1 when something unsafe passed. A mutant depends on
-the seed and its number only, so `--first 1234 --count 1` judges number 1234 again.
+The mutants are those of mutants/tubes.py, and roots of polynomials decide whether they are safe (oracles/tubes.py). With
+--inertia they are tubes of order 2 (mutants/order_two.py, oracles/order_two.py) and, every fourth, sampled loops
+(mutants/sampled.py), which a simulation may refute (oracles/sampled.py). With --integers the controllers are in integers.
+
+The checker gets files whose certificate claims success, so that only its own proof can refuse. The command prints one table, and
+ends with exit code 1 when an unsafe mutant passed. A mutant depends on the seed and its number alone, so `--first 1234 --count 1`
+judges number 1234 again.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 from unittest.mock import patch
 
 import numpy as np
@@ -53,34 +55,49 @@ from stt_codegen.program.targets import optional_targets
 from stt_codegen.sampling.loops import exact_loop
 from stt_codegen.sampling.sampling_conditions import input_bound
 from stt_codegen.task.schema import PlantBounds
-from stt_codegen.task.sets.shapes import Box
 from stt_codegen.task.task import Task
 
-SECOND = (*INERTIAL, *HELD)
-NEAR = 16  # units of the table within which a mutant counts as near the boundary
-EXACT = decimal.Context(prec=200, traps=[decimal.Inexact])
+ORDER_TWO_KINDS = (*INERTIAL, *HELD)
+NEAR_UNITS = 16  # units of the table within which a mutant counts as near the boundary
+EXACT_CONTEXT = decimal.Context(prec=200, traps=[decimal.Inexact])  # digits; a division that is not exact raises an error
+
+
+class Opinion(NamedTuple):
+    """What the tool or the checker says of a mutant: whether it passes, the error band of its edges, and why it is refused."""
+
+    passed: bool
+    error_band: Callable[[], Fraction]
+    reason: str
 
 
 @dataclass(frozen=True)
 class Answer:
-    """Of the tool or the checker. When a safe mutant is refused: whether it has the room that is demanded, and the reason; of
-    order 2, where it has not, what is demanded."""
+    """Whether the tool or the checker passed a mutant and, for a safe mutant that was refused, why.
+
+    has_margin: whether the mutant is safe by the error band, too. reason: the properties that were refused; of a tube of order 2
+    without the margin, which requirement it misses.
+    """
 
     passed: bool
-    room: bool = False
+    has_margin: bool = False
     reason: str = ""
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """What is true of a mutant, and what was answered."""
+class Judgement:
+    """The truth about a mutant, beside the answers of the tool and, where it was asked, the checker.
+
+    number: of the mutant, from which it is drawn. kind: of the mutation. base: name of the task or tube that was mutated.
+    fault: the first property that is violated, None where the mutant is safe or nothing is known. is_near: whether NEAR_UNITS
+    more or less would change that. is_decided: whether the oracle knows the truth.
+    """
 
     number: int
     kind: str
     base: str
     fault: Fault | None
-    near: bool
-    decided: bool
+    is_near: bool
+    is_decided: bool
     answers: tuple[Answer, ...]
 
 
@@ -90,73 +107,83 @@ def judge(
     with_checker: bool,
     names: Sequence[str] = SHAPED,
     kinds: Sequence[str] = tuple(KINDS),
+    *,
     scalars: Sequence[str] = ("float", "double"),
-) -> Verdict:
-    """Draw a mutant, find the truth and ask the tool and, `with_checker`, the checker."""
+) -> Judgement:
+    """Draw a mutant of order 1, and judge it by the oracle, the tool and, `with_checker`, the checker."""
     kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names, kinds, scalars)
     try:
         fault = first_fault(task, design)
-        near = (first_fault(task, design, (NEAR if fault is None else -NEAR) * design.unit) is None) != (fault is None)
+        margin = (NEAR_UNITS if fault is None else -NEAR_UNITS) * design.unit
+        is_near = (first_fault(task, design, margin) is None) != (fault is None)
     except Undecided:
-        return Verdict(number, kind, name, None, False, False, ())
+        return Judgement(number, kind, name, None, False, False, ())
     certificate = certify(task, design, build_program(task, design))
     failing = " ".join(sorted({f.code for f in certificate.failures} - {"P7"}))
-    asked: list[tuple[bool, Callable[[], Fraction], str]] = [
-        (certificate.tube_holds, lambda: max(certificate.edge_error), failing)
-    ]
+    opinions = [Opinion(certificate.tube_holds, lambda: max(certificate.edge_error), failing)]
     if with_checker:
-        asked.append(ask_checker(task, design, certificate))
+        opinions.append(ask_checker(task, design, certificate))
     answers = tuple(
-        Answer(passed) if passed or fault else Answer(passed, first_fault(task, design, error()) is None, reason)
-        for passed, error, reason in asked
+        Answer(o.passed) if o.passed or fault else Answer(False, first_fault(task, design, o.error_band()) is None, o.reason)
+        for o in opinions
     )
-    return Verdict(number, kind, name, fault, near, True, answers)
+    return Judgement(number, kind, name, fault, is_near, True, answers)
 
 
 # ------------------------------------------------------------------------------------------------ order 2
 
 
-def judge_inertia(number: int, seed: int, with_checker: bool) -> Verdict:
-    """Every fourth is a held loop."""
-    dice = Random(f"inertia {seed} {number}")
-    return (judge_held if number % 4 == 3 else judge_filtered)(dice, number, with_checker)
+def judge_order_two(number: int, seed: int, with_checker: bool) -> Judgement:
+    """Judge a mutant of order 2: every fourth number is a sampled loop, the others are tubes."""
+    rng = Random(f"inertia {seed} {number}")
+    return (judge_sampled_loop if number % 4 == 3 else judge_filtered_tube)(rng, number, with_checker)
 
 
-def judge_filtered(dice: Random, number: int, with_checker: bool, **among: Sequence[str]) -> Verdict:
-    """P1 to P6 and P8 of order 2; what leaves where P8 fails must be found, too."""
-    kind, name, _, (task, design) = draw_inertial(dice, **among)
+def judge_filtered_tube(rng: Random, number: int, with_checker: bool, **among: Sequence[str]) -> Judgement:
+    """Draw a tube of order 2 and judge its properties P1 to P6 and P8.
+
+    Where the limits (P8) are violated, a trajectory that leaves the tube must exist; a fault without one has another code.
+    among: names of the bases and kinds of the mutations.
+    """
+    kind, name, _, (task, design) = draw_inertial(rng, **among)
 
     def fault_of(units: int) -> Fault | None:
         return first_fault(task, design, units * design.unit) or first_inertia_fault(task, design, units)
 
     try:
         fault = fault_of(0)
-        near = (fault_of(NEAR if fault is None else -NEAR) is None) != (fault is None)
+        is_near = (fault_of(NEAR_UNITS if fault is None else -NEAR_UNITS) is None) != (fault is None)
     except Undecided:
-        return Verdict(number, kind, name, None, False, False, ())
+        return Judgement(number, kind, name, None, False, False, ())
     if fault is not None and fault.code == "P8" and leaving(task, design, fault) is None:
         fault = replace(fault, code="P8, nothing leaves")
     certificate = certify(task, design, build_program(task, design))
     failing = " ".join(sorted({f.code for f in certificate.failures}))
-    asked = [(certificate.holds, lambda: max(certificate.edge_error), failing)]
+    opinions = [Opinion(certificate.holds, lambda: max(certificate.edge_error), failing)]
     if with_checker:
-        asked.append((ask_numbers if fault is None else asked_twice)(task, design, certificate))
-    wrong = [f.required for f in certificate.findings if f.code == "P1"][-1]
+        opinions.append((check_numbers if fault is None else check_numbers_then_all)(task, design, certificate))
+    required_width = [f.required for f in certificate.findings if f.code == "P1"][-1]
 
-    def answer(passed: bool, error: Callable[[], Fraction], missed: str) -> Answer:
-        if passed or fault:
-            return Answer(passed)
-        found = first_fault(task, design, error())
-        coarse = "" if found else hull_fault(task, design, wrong, 1)
-        why = f"{found.code} leaves no room for the arithmetic" if found else f"{coarse}: hull of a segment" if coarse else ""
-        return Answer(False, not why, why or missed)
+    def answer_of(opinion: Opinion) -> Answer:
+        """Return the answer; where a safe mutant is refused the reason is a missing margin, a coarse hull, or the opinion's."""
+        if opinion.passed or fault:
+            return Answer(opinion.passed)
+        if without_margin := first_fault(task, design, opinion.error_band()):
+            return Answer(False, False, f"{without_margin.code} leaves no margin for the arithmetic")
+        if coarse := hull_fault(task, design, required_width, 1):
+            return Answer(False, False, f"{coarse}: hull of a segment")
+        return Answer(False, True, opinion.reason)
 
-    return Verdict(number, kind, name, fault, near, True, tuple(answer(*one) for one in asked))
+    return Judgement(number, kind, name, fault, is_near, True, tuple(answer_of(opinion) for opinion in opinions))
 
 
-def judge_held(dice: Random, number: int, with_checker: bool, **among: Sequence[str]) -> Verdict:
-    """P9: a run may refute it; where none does, nothing is known (undecided). Of what is proved the bounds on e and u, too."""
-    kind, name, base, (task, design) = draw_held(dice, **among)
+def judge_sampled_loop(rng: Random, number: int, with_checker: bool, **among: Sequence[str]) -> Judgement:
+    """Draw a sampled loop of order 2, and judge its period (P9).
+
+    A simulation may refute the period, or the proved bounds on the error e and the input u. Where none does, the truth is not
+    known, and the judgement is undecided.
+    """
+    kind, name, base, (task, design) = draw_held(rng, **among)
     certificate = certify(task, design, build_program(task, design))
     proof = certificate.proved_period if certificate.holds else None
     bounds = None
@@ -164,24 +191,28 @@ def judge_held(dice: Random, number: int, with_checker: bool, **among: Sequence[
         bounds = Bounds(tuple(float((r - 1) / (r + 1)) for r in proof.rho), tuple(float(v) for v in proof.u))
     left, outside = counterexample(task, design, number, bounds), first_inertia_fault(task, design)
     fault = outside or (None if left is None else Fault("P9", Fraction(left.time), left.dimension))
-    answers, ask = [Answer(certificate.holds)], asked_twice if fault else ask_numbers
+    answers, ask = [Answer(certificate.holds)], check_numbers_then_all if fault else check_numbers
     if with_checker:
-        answers.append(Answer(any(ask(task, design, certificate, p)[0] for p in proofs(task, design, base, proof))))
-    return Verdict(number, kind, name, fault, False, fault is not None, tuple(answers))
+        is_accepted = any(ask(task, design, certificate, p).passed for p in possible_proofs(task, design, base, proof))
+        answers.append(Answer(is_accepted))
+    return Judgement(number, kind, name, fault, False, fault is not None, tuple(answers))
 
 
-def proofs(task: Task, design: RefinedDesign, base: Held, proof: PeriodProof | None) -> list[PeriodProof]:
-    """What may be claimed of P9: the tool's own, or with bounds on e of the base, and up to the clamp."""
+def possible_proofs(task: Task, design: RefinedDesign, base: Held, proof: PeriodProof | None) -> list[PeriodProof]:
+    """Return proofs of the period that a certificate may claim.
+
+    That is the tool's proof; where there is none, one with the base's bounds on e, and one with e up to the clamp.
+    """
     if proof is not None:
         return [proof]
     program = build_program(task, design)
     loop = exact_loop(task, design, edge_error(design, program), rate_error(design, program))
-    found, most = [], tuple((1 + e) / (1 - e) for e in task.e_max)
-    for rho in dict.fromkeys((tuple(map(min, base.proof.rho, most)), most)):
+    proofs, rho_at_clamp = [], tuple((1 + e) / (1 - e) for e in task.e_max)
+    for rho in dict.fromkeys((tuple(map(min, base.proof.rho, rho_at_clamp)), rho_at_clamp)):
         u = input_bound(loop, np.array(rho, dtype=object))
         largest = tuple(u.max(axis=0).tolist()) if (u < math.inf).all() else (Fraction(1),) * task.dimension
         control, share = task.control, task.initial_set.share
-        found.append(
+        proofs.append(
             PeriodProof(
                 period=task.sampling_period,
                 latency=control.latency,
@@ -191,120 +222,127 @@ def proofs(task: Task, design: RefinedDesign, base: Held, proof: PeriodProof | N
                 shift=tuple(loop.law.shift.tolist()),
             )
         )
-    return found
+    return proofs
 
 
 # ------------------------------------------------------------------------------------------------ the checker's files
 
 
-def ask_numbers(
-    task: Task, design: RefinedDesign, certificate: Certificate, proof: PeriodProof | None = None
-) -> tuple[bool, Callable[[], Fraction], str]:
-    """As `ask_checker`, without what takes it most of the time and does not depend on the numbers: running the C's statements.
-    So it can only say yes more often."""
+def check_numbers(task: Task, design: RefinedDesign, certificate: Certificate, proof: PeriodProof | None = None) -> Opinion:
+    """Ask the checker without its slowest part, which runs the C's statements and does not depend on the mutant's numbers.
+
+    It can pass more mutants than `ask_checker`, and never fewer.
+    """
     with patch.object(checker, "computes", lambda *_: None):
         return ask_checker(task, design, certificate, proof)
 
 
-def asked_twice(
+def check_numbers_then_all(
     task: Task, design: RefinedDesign, certificate: Certificate, proof: PeriodProof | None = None
-) -> tuple[bool, Callable[[], Fraction], str]:
-    """A yes to what is unsafe is asked for again in full."""
-    found = ask_numbers(task, design, certificate, proof)
-    return ask_checker(task, design, certificate, proof) if found[0] else found
+) -> Opinion:
+    """Ask the checker about the numbers and, where these pass, about all: for unsafe mutants, which the numbers mostly refuse."""
+    opinion = check_numbers(task, design, certificate, proof)
+    return ask_checker(task, design, certificate, proof) if opinion.passed else opinion
 
 
-def ask_checker(
-    task: Task, design: RefinedDesign, certificate: Certificate, proof: PeriodProof | None = None
-) -> tuple[bool, Callable[[], Fraction], str]:
-    """Whether the checker says yes to the mutant's files, its own bound on rounding, and the property that it misses."""
-    files = claiming(task, design, certificate, proof)
-    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()) as said:
+def ask_checker(task: Task, design: RefinedDesign, certificate: Certificate, proof: PeriodProof | None = None) -> Opinion:
+    """Run the stand-alone checker on the mutant's files.
+
+    Return whether it verifies them, the error band that it computes, and the property that it refuses. Raises RuntimeError where
+    the checker stops before its proof.
+    """
+    files = files_claiming_success(task, design, certificate, proof)
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()) as output:
         for name, data in files.items():
             Path(folder, name).write_bytes(data)
         answer = checker.main(
             [str(Path(folder, name)) for name in ("task.toml", f"{task.name}.c", f"{task.name}.certificate.json")]
         )
-    found = re.search(r"P\d does not hold|P6: the tube has a kink", said.getvalue())
-    if answer not in (0, 1) or (answer == 1 and not found):
-        raise RuntimeError(f"the checker did not come to its proof: {said.getvalue()}")
+    refusal = re.search(r"P\d does not hold|P6: the tube has a kink", output.getvalue())
+    if answer not in (0, 1) or (answer == 1 and not refusal):
+        raise RuntimeError(f"the checker did not come to its proof: {output.getvalue()}")
 
-    def error() -> Fraction:
-        known = checker.Task(files["task.toml"])
-        text, whole = files[f"{task.name}.c"], task.emit.scalar == "fixed"
-        source = checker.Integers(text, known) if whole else checker.Source(text, known, task.emit.scalar == "float")
-        tube = checker.Tube(source, known, design.bits)
-        source.clock(known, tube)
+    def error_band() -> Fraction:
+        checked_task = checker.Task(files["task.toml"])
+        text, is_integer = files[f"{task.name}.c"], task.emit.scalar == "fixed"
+        is_single = task.emit.scalar == "float"
+        source = checker.Integers(text, checked_task) if is_integer else checker.Source(text, checked_task, is_single)
+        tube = checker.Tube(source, checked_task, design.bits)
+        source.clock(checked_task, tube)
         return max(checker.arithmetic(source, tube))
 
-    return answer == 0, error, found[0][:2] if found else ""
+    return Opinion(answer == 0, error_band, refusal[0][:2] if refusal else "")
 
 
-def claiming(task: Task, design: RefinedDesign, certificate: Certificate, proof: PeriodProof | None = None) -> Files:
-    """The files of a tube that may be unsafe, with its task, and a certificate that claims success: all that it says of the tube
-    is true, so that only the checker's own proof can refuse. proof: what it says of P9, where it is asked for that."""
-    known = task if proof else task.model_copy(update={"control": task.control.model_copy(update={"period": None})})
-    if task.order == 1:  # its mutants are not about u: with bounds on the plant P8 would be claimed where u is limited
-        known = known.model_copy(update={"plant": PlantBounds()})
-    plain: dict[str, Any] = {
-        "selftest": False,
-        **{t.key: False for t in optional_targets()},
-    }  # of the mutants is what `toml` says, and nothing beside it
-    plain |= {} if task.emit.scalar == "fixed" else {"tick_period": None}
-    known = known.model_copy(update={"emit": known.emit.model_copy(update=plain)})
-    text = toml(known).encode()
-    known = known.model_copy()
-    known._digest = checker.Task(text).digest
+def files_claiming_success(
+    task: Task, design: RefinedDesign, certificate: Certificate, proof: PeriodProof | None = None
+) -> Files:
+    """Return the files of a tube that may be unsafe, its task file, and a certificate that claims success.
+
+    Everything else in the certificate is true, so that only the checker's proof can refuse. proof: the claim about the period
+    (P9), None to claim nothing.
+    """
+    claimed_task = task if proof else task.model_copy(update={"control": task.control.model_copy(update={"period": None})})
+    if task.order == 1:  # with bounds on the plant the limits (P8) would be claimed too, which these mutants are not about
+        claimed_task = claimed_task.model_copy(update={"plant": PlantBounds()})
+    # The task file has only what `task_text` writes, so options beside it are switched off.
+    emit: dict[str, Any] = {"selftest": False, **{t.key: False for t in optional_targets()}}
+    emit |= {} if task.emit.scalar == "fixed" else {"tick_period": None}
+    claimed_task = claimed_task.model_copy(update={"emit": claimed_task.emit.model_copy(update=emit)})
+    text = task_text(claimed_task).encode()
+    claimed_task = claimed_task.model_copy()
+    claimed_task._digest = checker.Task(text).digest
     certificate = replace(certificate, proved_period=proof)
-    files = render(known, design, build_program(known, design), certificate)
-    proof = f"{task.name}.certificate.json"
-    return {**files, "task.toml": text, proof: json.dumps({**json.loads(files[proof]), "certified": True}).encode()}
+    files = render(claimed_task, design, build_program(claimed_task, design), certificate)
+    name = f"{task.name}.certificate.json"
+    return {**files, "task.toml": text, name: json.dumps({**json.loads(files[name]), "certified": True}).encode()}
 
 
 def number_text(value: Fraction) -> str:
-    """All decimals of a fraction that has finitely many."""
-    text = format(EXACT.divide(decimal.Decimal(value.numerator), decimal.Decimal(value.denominator)), "f")
+    """Return all decimals of a fraction that has finitely many of them."""
+    text = format(EXACT_CONTEXT.divide(decimal.Decimal(value.numerator), decimal.Decimal(value.denominator)), "f")
     return text if "." in text else text + ".0"
 
 
-def toml(task: Task) -> str:
-    """What the checker reads of a task file. Of order 1 without period and plant, for its mutants are judged by P1 to P6."""
+def vector_text(values: Iterable[Fraction]) -> str:
+    return f"[{', '.join(number_text(v) for v in values)}]"
 
-    def vector(values: Iterable[Fraction]) -> str:
-        return f"[{', '.join(number_text(v) for v in values)}]"
 
-    def box(head: str, b: Box) -> str:
-        return f"{head}\n{told(b)}"
+def set_text(table: Any) -> str:
+    """Return the lines of a table that describes a set, as a task file has them."""
+    names = ("axes", "lower", "upper", "centre", "offsets", "vertices", "normals", "segment", "radius")
+    fields = {field: value for field in names if (value := getattr(table, field, None))}
+    lines = [f"axes = {json.dumps(fields['axes'])}\n"] if "axes" in fields else []
+    for field in ("lower", "upper", "centre", "offsets"):
+        lines += [f"{field} = {vector_text(fields[field])}\n"] if field in fields else []
+    if motion := getattr(table, "motion", None):
+        lines.append(f"motion = [{', '.join(f'{{at = {number_text(p.at)}, by = {vector_text(p.by)}}}' for p in motion)}]\n")
+    if during := getattr(table, "during", None):
+        lines.append(f"during = {vector_text(during)}\n")
+    for field in ("timing", "spread"):
+        if (value := getattr(table, field, None)) is not None:
+            lines.append(f"{field} = {number_text(value)}\n")
+    for field in ("vertices", "normals", "segment"):
+        if field in fields:
+            lines.append(f"{field} = [{', '.join(vector_text(p) for p in fields[field])}]\n")
+    return "".join(lines) + (f"radius = {number_text(fields['radius'])}\n" if "radius" in fields else "")
 
-    def told(unsafe: Any) -> str:
-        """What a table says, in the order of its fields."""
-        names = ("axes", "lower", "upper", "centre", "offsets", "vertices", "normals", "segment", "radius")
-        given = {field: value for field in names if (value := getattr(unsafe, field, None))}
-        lines = [f"axes = {json.dumps(given['axes'])}\n"] if "axes" in given else []
-        for field in ("lower", "upper", "centre", "offsets"):
-            lines += [f"{field} = {vector(given[field])}\n"] if field in given else []
-        if motion := getattr(unsafe, "motion", None):
-            lines.append(f"motion = [{', '.join(f'{{at = {number_text(p.at)}, by = {vector(p.by)}}}' for p in motion)}]\n")
-        if during := getattr(unsafe, "during", None):
-            lines.append(f"during = {vector(during)}\n")
-        for field in ("timing", "spread"):
-            if (value := getattr(unsafe, field, None)) is not None:
-                lines.append(f"{field} = {number_text(value)}\n")
-        for field in ("vertices", "normals", "segment"):
-            if field in given:
-                lines.append(f"{field} = [{', '.join(vector(p) for p in given[field])}]\n")
-        return "".join(lines) + (f"radius = {number_text(given['radius'])}\n" if "radius" in given else "")
 
-    limits = "" if task.u_max is None else f"u_max = {vector(task.u_max)}\n"
-    limited = ((name, getattr(task, name)) for name in ("max_speed", "max_acceleration"))
-    speed = "".join(f"{name} = {vector(most)}\n" for name, most in limited if most is not None)
+def task_text(task: Task) -> str:
+    """Return the text of a task file with all that the checker reads.
+
+    Of order 1 it has no period and no plant, because these mutants are judged by P1 to P6.
+    """
+    limits = "" if task.u_max is None else f"u_max = {vector_text(task.u_max)}\n"
+    rates = ((name, getattr(task, name)) for name in ("max_speed", "max_acceleration"))
+    rate_limits = "".join(f"{name} = {vector_text(limit)}\n" for name, limit in rates if limit is not None)
     emit = f'math = "{task.emit.math}"\n'
     if task.emit.scalar == "fixed" and task.emit.tick_period is not None:
         emit = f'scalar = "fixed"\ntick_period = {number_text(task.emit.tick_period)}\n'
     starts = plant = ""
     if task.order == 2:
         starts = f"share = {number_text(task.initial_set.share)}\n"
-        starts += f"speed = {vector(task.start_speed)}\n" if task.initial_set.speed is not None else ""
+        starts += f"speed = {vector_text(task.start_speed)}\n" if task.initial_set.speed is not None else ""
         bounds = (f"{name} = {number_text(v)}\n" for name, v in task.plant.bounds.items() if v is not None)
         plant = "[plant]\norder = 2\n" + "".join(bounds)
         if task.control.period is not None:
@@ -314,12 +352,13 @@ def toml(task: Task) -> str:
             f'name = "{task.name}"\nprescribed_time = {number_text(task.prescribed_time)}\n',
             f"axes = {json.dumps(task.axes)}\n" if task.axes else "",
             f"start_delay = {number_text(task.start_delay)}\n" if task.start_delay else "",
-            f"initial_state = {vector(task.initial_state)}\n" + (f"body = {vector(task.body)}\n" if task.body else ""),
-            *(box(f"[{name}]", getattr(task, name)) for name in ("state_space", "target_set", "initial_set")),
+            f"initial_state = {vector_text(task.initial_state)}\n" + (f"body = {vector_text(task.body)}\n" if task.body else ""),
+            *(f"[{name}]\n{set_text(getattr(task, name))}" for name in ("state_space", "target_set", "initial_set")),
             starts,
-            *(f'[[unsafe]]\nname = "{s.name}"\n{told(s)}' for s in task.unsafe),
-            f"[tube]\nclearance = {number_text(task.tube.clearance)}\nmin_width = {number_text(task.tube.min_width)}\n{speed}",
-            f"[control]\ngain = {vector(task.gain)}\ne_max = {vector(task.e_max)}\n{limits}[emit]\n{emit}",
+            *(f'[[unsafe]]\nname = "{s.name}"\n{set_text(s)}' for s in task.unsafe),
+            f"[tube]\nclearance = {number_text(task.tube.clearance)}\nmin_width = {number_text(task.tube.min_width)}\n",
+            rate_limits,
+            f"[control]\ngain = {vector_text(task.gain)}\ne_max = {vector_text(task.e_max)}\n{limits}[emit]\n{emit}",
             plant,
         )
     )
@@ -328,49 +367,57 @@ def toml(task: Task) -> str:
 # ------------------------------------------------------------------------------------------------ the table
 
 
-def table(verdicts: Sequence[Verdict], askers: Sequence[str], kinds: Sequence[str] = tuple(KINDS)) -> str:
-    """One row for each kind of mutation, then what the columns mean, and reasons."""
-    columns = "".join(f"{f'{asker}: passed':>18s}{'refused':>9s}{'room':>6s}" for asker in askers)
+def table(judgements: Sequence[Judgement], judges: Sequence[str], kinds: Sequence[str] = tuple(KINDS)) -> str:
+    """Return a table with a row for each kind of mutation, what its columns mean, and why safe mutants were refused.
+
+    judges: names of the tool and, where it was asked, the checker, in the order of the judgements' answers.
+    """
+    columns = "".join(f"{f'{judge_name}: passed':>18s}{'refused':>9s}{'margin':>8s}" for judge_name in judges)
     lines = [f"{'mutation':28s}{'mutants':>8s}{'unsafe':>8s}{'near':>7s}{'undecided':>11s}{columns}"]
     for kind in (*kinds, "all"):
-        group = [v for v in verdicts if kind in (v.kind, "all")]
-        bad = [v for v in group if v.fault]
-        near, undecided = sum(v.near for v in group), sum(not v.decided for v in group)
-        line = f"{kind:28s}{len(group):8d}{len(bad):8d}{near:7d}{undecided:11d}"
-        for a in range(len(askers)):
-            refused = [v.answers[a] for v in group if v.decided and not v.fault and not v.answers[a].passed]
-            line += f"{sum(v.answers[a].passed for v in bad):18d}{len(refused):9d}{sum(r.room for r in refused):6d}"
+        group = [j for j in judgements if kind in (j.kind, "all")]
+        unsafe = [j for j in group if j.fault]
+        near, undecided = sum(j.is_near for j in group), sum(not j.is_decided for j in group)
+        line = f"{kind:28s}{len(group):8d}{len(unsafe):8d}{near:7d}{undecided:11d}"
+        for a in range(len(judges)):
+            refused = [j.answers[a] for j in group if j.is_decided and not j.fault and not j.answers[a].passed]
+            line += f"{sum(j.answers[a].passed for j in unsafe):18d}{len(refused):9d}{sum(r.has_margin for r in refused):8d}"
         lines.append(line)
     lines += [
-        f"near: the truth is another with {NEAR} table units more or less to spare; passed: though unsafe; refused: though safe;",
-        "room: of these, those that have the room which is demanded for the arithmetic's error.",
-        "unsafe, by the first property found broken: " + counted(v.fault.code for v in verdicts if v.fault),
+        f"near: {NEAR_UNITS} units of the table more or less would make it safe or unsafe; passed: though unsafe;",
+        "refused: though safe; margin: refused, though it is safe by the margin that the arithmetic's error requires.",
+        "unsafe, by the first property found broken: " + count_text(j.fault.code for j in judgements if j.fault),
     ]
-    for a, asker in enumerate(askers):
-        if kinds == SECOND:
-            lines += _of_second(verdicts, a, asker)
+    for a, judge_name in enumerate(judges):
+        if kinds == ORDER_TWO_KINDS:
+            lines += _order_two_lines(judgements, a, judge_name)
             continue
-        reasons = (v.answers[a].reason for v in verdicts if v.decided and v.answers[a].room)
-        lines.append(f"{asker}: refused with room, by property: {counted(reasons)}")
+        reasons = (j.answers[a].reason for j in judgements if j.is_decided and j.answers[a].has_margin)
+        lines.append(f"{judge_name}: refused with margin, by property: {count_text(reasons)}")
     return "\n".join(lines)
 
 
-def _of_second(verdicts: Sequence[Verdict], a: int, asker: str) -> list[str]:
-    """Why what is safe was refused, and what was said of loops of which nothing is known."""
-    reasons = (v.answers[a].reason for v in verdicts if v.decided and not v.fault and not v.answers[a].passed)
-    unknown = [v for v in verdicts if v.kind in HELD and not v.decided]
-    proved = sum(v.answers[a].passed for v in unknown)
+def _order_two_lines(judgements: Sequence[Judgement], a: int, judge_name: str) -> list[str]:
+    """Return why safe tubes were refused, and how many of the loops that no simulation refutes were proved.
+
+    a: index of the judge in the answers.
+    """
+    reasons = (j.answers[a].reason for j in judgements if j.is_decided and not j.fault and not j.answers[a].passed)
+    unknown = [j for j in judgements if j.kind in HELD and not j.is_decided]
+    proved = sum(j.answers[a].passed for j in unknown)
     return [
-        f"{asker}: refused though safe, why: {counted(reasons)}",
-        f"{asker}: proves {proved} of {len(unknown)} loops that no run refutes",
+        f"{judge_name}: refused though safe, why: {count_text(reasons)}",
+        f"{judge_name}: proves {proved} of {len(unknown)} loops that no run refutes",
     ]
 
 
-def counted(names: Iterable[str]) -> str:
+def count_text(names: Iterable[str]) -> str:
+    """Return how often each name occurs, as "a 2, b 1"; "none" where there is no name."""
     return ", ".join(f"{name} {count}" for name, count in sorted(Counter(names).items())) or "none"
 
 
 def main() -> int:
+    """Judge the mutants, and print the table and every false certificate. Return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=10_000)
     parser.add_argument("--first", type=int, default=0)
@@ -381,36 +428,37 @@ def main() -> int:
     parser.add_argument("--integers", action="store_true", help="controllers in integers, of order 1")
     parser.add_argument("--checker", action=argparse.BooleanOptionalAction, default=True)
     parser.add_argument("--record", type=Path, metavar="FILE.md", help="put the table into this file")
-    parser.add_argument("--inertia", action="store_true", help="only tubes and held loops for plants of order 2")
+    parser.add_argument("--inertia", action="store_true", help="only tubes and sampled loops for plants of order 2")
     options = parser.parse_args()
-    begin, verdicts = time.perf_counter(), []
-    kinds = BESIDE if options.shapes else MOVING if options.moving else SECOND if options.inertia else tuple(KINDS)
+    begin, judgements = time.perf_counter(), []
+    kinds = BESIDE if options.shapes else MOVING if options.moving else ORDER_TWO_KINDS if options.inertia else tuple(KINDS)
     scalars = ("fixed",) if options.integers else ("float", "double")
-    asked = judge_inertia if options.inertia else partial(judge, kinds=kinds, scalars=scalars)
+    judge_mutant = judge_order_two if options.inertia else partial(judge, kinds=kinds, scalars=scalars)
     with multiprocessing.Pool(options.processes) as pool:
         numbers = range(options.first, options.first + options.count)
-        for v in pool.imap(partial(asked, seed=options.seed, with_checker=options.checker), numbers, chunksize=20):
-            verdicts.append(v)
-            if len(verdicts) % 100 == 0:
-                print(f"\r{len(verdicts)}/{options.count}", end="", file=sys.stderr, flush=True)
+        for judgement in pool.imap(partial(judge_mutant, seed=options.seed, with_checker=options.checker), numbers, chunksize=20):
+            judgements.append(judgement)
+            if len(judgements) % 100 == 0:
+                print(f"\r{len(judgements)}/{options.count}", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
-    found = table(verdicts, ("tool", "checker") if options.checker else ("tool",), kinds if options.inertia else tuple(KINDS))
-    print(found)
-    passed = [v for v in verdicts if v.fault and any(a.passed for a in v.answers)]
-    again = next((f" --{name}" for name in ("shapes", "moving", "inertia") if getattr(options, name)), "")
-    again += " --integers" if options.integers else ""
-    for v in passed:
-        print(f"PASSED THOUGH UNSAFE: --seed {options.seed} --first {v.number} --count 1{again}: {v.kind} of {v.base}: {v.fault}")
-    took = f"{len(verdicts)} mutants in {time.perf_counter() - begin:.0f} s, {options.processes} processes"
+    judges = ("tool", "checker") if options.checker else ("tool",)
+    text = table(judgements, judges, kinds if options.inertia else tuple(KINDS))
+    print(text)
+    passed = [j for j in judgements if j.fault and any(a.passed for a in j.answers)]
+    flags = next((f" --{name}" for name in ("shapes", "moving", "inertia") if getattr(options, name)), "")
+    flags += " --integers" if options.integers else ""
+    for j in passed:
+        print(f"PASSED THOUGH UNSAFE: --seed {options.seed} --first {j.number} --count 1{flags}: {j.kind} of {j.base}: {j.fault}")
+    took = f"{len(judgements)} mutants in {time.perf_counter() - begin:.0f} s, {options.processes} processes"
     print(took)
     if options.record:
         name, title = "mutations", "Mutated tubes and tasks"
         if options.inertia:
-            name, title = "mutations inertia", "Mutated tubes and held loops of order 2"
+            name, title = "mutations inertia", "Mutated tubes and sampled loops of order 2"
         record(
             options.record,
             name,
-            f"## {title}\n\nMade by `{command()}`; {took}; {machine()}.\n\n```\n{found}\n```",
+            f"## {title}\n\nMade by `{command()}`; {took}; {machine()}.\n\n```\n{text}\n```",
         )
     return 1 if passed else 0
 

@@ -25,7 +25,7 @@ from pathlib import Path
 from random import Random
 
 from benchmarks.mutants.tubes import KINDS, SHAPED, draw
-from benchmarks.mutations import claiming
+from benchmarks.mutations import files_claiming_success
 from benchmarks.oracles.tubes import Undecided, first_fault
 from benchmarks.suites.report import command, machine, record, table
 from benchmarks.token_mutants import accepted, changed, files_of, mutants, same_meaning
@@ -84,7 +84,7 @@ def unsafe(seed: int) -> Iterator[tuple[str, bytes | None, str]]:
             continue
         if fault is None or fault.code not in CLAIMED:
             continue
-        files = claiming(task, design, certify(task, design, build_program(task, design)))
+        files = files_claiming_success(task, design, certify(task, design, build_program(task, design)))
         try:
             read = facts(files["task.toml"], files[f"{task.name}.c"], files[f"{task.name}.certificate.json"])
         except BadInput:

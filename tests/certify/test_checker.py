@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 
 from benchmarks import token_mutants
 from benchmarks.mutants.tubes import BASES, draw
-from benchmarks.mutations import claiming
+from benchmarks.mutations import files_claiming_success
 from stt_codegen.certify import checker
 from stt_codegen.certify.claims import claims_of, cuts_of
 from stt_codegen.designs.refined import RefinedDesign
@@ -509,7 +509,7 @@ def tight() -> list[tuple[Task, RefinedDesign]]:
 @pytest.mark.parametrize("number", range(3))
 def test_where_the_hull_of_a_segment_shows_too_little_the_hints_cut_it(number: int, tmp_path) -> None:
     task, design = tight()[number]
-    files = claiming(task, design, certify(task, design, build_program(task, design)))
+    files = files_claiming_success(task, design, certify(task, design, build_program(task, design)))
     for name, data in files.items():
         (tmp_path / name).write_bytes(data)
     proof = tmp_path / f"{task.name}.certificate.json"
@@ -545,7 +545,7 @@ def test_with_new_hashes_every_bend_that_breaks_a_property_is_found_by_the_proof
     side, amount = data.draw(st.integers(0, 1)), data.draw(st.integers(-(2**19), 2**19))
     bent = bend(controller, j, i, side, amount)
     certificate = certify(controller.task, bent, build_program(controller.task, bent))
-    for file, content in claiming(controller.task, bent, certificate).items():
+    for file, content in files_claiming_success(controller.task, bent, certificate).items():
         (tmp_path / file).write_bytes(content)
     truth = oracle(controller.task, bent, Fraction(0))
     answer = checker.main([str(tmp_path / f) for f in ("task.toml", f"{name}.c", f"{name}.certificate.json")])

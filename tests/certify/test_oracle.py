@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from benchmarks.mutants.order_two import INERTIAL, inertial_base, start_rooms
 from benchmarks.mutants.sampled import HELD, draw_held, held_base
 from benchmarks.mutants.tubes import KINDS, draw
-from benchmarks.mutations import claiming, judge, judge_filtered, judge_held, toml
+from benchmarks.mutations import files_claiming_success, judge, judge_filtered_tube, judge_sampled_loop, task_text
 from benchmarks.oracles.order_two import greatest, inertia_faults, leaving, negative_place, not_positive_place, poly, spare_input
 from benchmarks.oracles.order_two import value as value_at
 from benchmarks.oracles.sampled import Bounds, counterexample
@@ -253,7 +253,7 @@ def test_width_and_speed_are_decided_at_their_extremes() -> None:
 def test_the_checker_is_asked_about_the_very_mutant() -> None:
     for number in range(40):
         _, _, _, (task, design) = draw(Random(f"files {number}"), BASES)
-        read = checker.Task(toml(task).encode())
+        read = checker.Task(task_text(task).encode())
         for (name, (points, half, own, radius)), s in zip(read.unsafe, task.obstacles, strict=True):
             assert (name, radius) == (s.name, s.radius)
             for normal in s.normals:
@@ -268,7 +268,7 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
         limits = [None if most is None else list(most) for most in (task.max_speed, task.max_acceleration)]
         assert (read.clearance, read.limits) == (task.tube.clearance, limits)
         assert (read.state, read.min_width) == (list(task.initial_state), max(task.tube.min_width, LEAST_WIDTH))
-        files = claiming(task, design, certify(task, design, build_program(task, design)))
+        files = files_claiming_success(task, design, certify(task, design, build_program(task, design)))
         source = checker.Source(files[f"{task.name}.c"], read, task.emit.scalar == "float")
         assert checker.Tube(source, read, design.bits).table == [list(row) for row in design.table]
 
@@ -277,11 +277,11 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
 def test_nothing_unsafe_passes_among_some_mutants() -> None:
     """Every 24th is also asked of the checker, which takes ten times as long."""
     verdicts = [judge(number, 1, number % 24 == 0, BASES) for number in range(150)]
-    assert all(v.decided for v in verdicts)
+    assert all(v.is_decided for v in verdicts)
     assert [v for v in verdicts if v.fault and any(a.passed for a in v.answers)] == []
     unsafe = [v for v in verdicts if v.fault]
     assert 45 <= len(unsafe) <= 105
-    assert sum(v.near for v in verdicts) >= 15
+    assert sum(v.is_near for v in verdicts) >= 15
     assert {v.kind for v in verdicts} == set(KINDS)
     assert sum(all(a.passed for a in v.answers) for v in verdicts if not v.fault) >= 30
     assert judge(24, 1, True, BASES) == verdicts[24]
@@ -375,12 +375,12 @@ def test_nothing_unsafe_passes_among_some_mutants_of_order_2() -> None:
     names = ("omni_s2", "paper 3")
     kinds = [k for k in INERTIAL if k not in ("speed of the starts", "share of the starts")]
     late = ("held: period", "held: period at its longest", "held: latency")
-    found = [judge_filtered(Random(f"order 2 {k}"), k, k % 12 == 0, names=names, kinds=kinds) for k in range(48)]
-    held = [judge_held(Random(f"held {k}"), k, k % 4 == 0, names=names[:1], kinds=late) for k in range(10)]
+    found = [judge_filtered_tube(Random(f"order 2 {k}"), k, k % 12 == 0, names=names, kinds=kinds) for k in range(48)]
+    held = [judge_sampled_loop(Random(f"held {k}"), k, k % 4 == 0, names=names[:1], kinds=late) for k in range(10)]
     assert [v for v in (*found, *held) if v.fault and any(a.passed for a in v.answers)] == []
     assert [v for v in found if v.fault and v.fault.code.endswith("nothing leaves")] == []
     assert {"P1 z", "P6", "P8"} <= {v.fault.code for v in found if v.fault}
-    assert sum(v.near for v in found) >= 5
+    assert sum(v.is_near for v in found) >= 5
     assert sum(all(a.passed for a in v.answers) for v in found if not v.fault) >= 10
     assert any(v.fault for v in held)
     assert any(a.passed for v in held for a in v.answers)
@@ -411,7 +411,7 @@ def test_a_tool_that_forgets_one_is_caught(forgotten: str, kind: str, code: str,
         return None if found is None else replace(found, units=1 << 60)
 
     monkeypatch.setattr(module, forgotten, granted)
-    found = [judge_filtered(Random(f"{kind} {k}"), k, False, names=("omni_s2", "paper 3"), kinds=[kind]) for k in range(16)]
+    found = [judge_filtered_tube(Random(f"{kind} {k}"), k, False, names=("omni_s2", "paper 3"), kinds=[kind]) for k in range(16)]
     assert code in {v.fault.code for v in found if v.fault and v.answers[0].passed}
 
 
