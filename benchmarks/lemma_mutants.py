@@ -128,7 +128,7 @@ def mutate_expression(value: Expression, variables: list[Var], rng: random.Rando
         return Op(value.name, (*value.args[:k], change_operand(value.args[k], variables, rng), *value.args[k + 1 :]))
     if isinstance(value, Select):
         if kind == "order":
-            return Select(value.condition, value.other, value.then)
+            return Select(value.condition, value.otherwise, value.then)
         if kind == "operand":
             return replace(value, then=change_operand(value.then, variables, rng))
         return replace(value, condition=change_operand(value.condition, variables, rng))

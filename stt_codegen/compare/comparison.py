@@ -354,7 +354,7 @@ def _adaptive_truth(controller: EmittedController, design: AdaptiveDesign, point
     status, u = reference.control(low, high, x, task.gain, task.e_max, u_max=task.u_max)
 
     probed = Runner(probe_program(task, design)).run("probe", {"t": t})
-    run = Runner(controller.program, settled=("low_z", "high_z")).run
+    run = Runner(controller.program, newton_iterates=("low_z", "high_z")).run
     tube = run("tube", {"t": t, "alpha": alpha})
     tube_rate = run("tube_rate", {"t": t, "alpha": alpha})
     update = run("alpha_rate", {"t": t, "alpha": alpha})

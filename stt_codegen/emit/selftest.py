@@ -133,7 +133,7 @@ def _found(task: Task, balls: Enclosure, name: str, given: dict[str, Any]) -> tu
         return balls.run(name, **given)
     row, place = balls.kernel("segment", given["t"])
     ends = [place.lower() + (place.upper() - place.lower()) * k / PIECES for k in range(PIECES)] + [place.upper()]
-    return balls.run_given(name, "segment", [(row, a.union(b)) for a, b in pairwise(ends)], **given)
+    return balls.run_assuming(name, "segment", [(row, a.union(b)) for a, b in pairwise(ends)], **given)
 
 
 def _places(design: Design, balls: Enclosure) -> Sequence[Fraction]:

@@ -52,8 +52,8 @@ class Block:
     def op(self, name: str, operation: str, *args: Operand) -> Var:
         return self.let(name, Op(operation, args))
 
-    def select(self, name: str, condition: Operand, then: Operand, other: Operand) -> Var:
-        return self.let(name, Select(condition, then, other))
+    def select(self, name: str, condition: Operand, then: Operand, otherwise: Operand) -> Var:
+        return self.let(name, Select(condition, then, otherwise))
 
     def call(self, kernel: Kernel, *args: Operand, names: Sequence[str] = ()) -> tuple[Var, ...]:
         kinds = [o.type for o in kernel.outputs]

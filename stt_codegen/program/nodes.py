@@ -62,14 +62,14 @@ class Op:
 
 @dataclass(frozen=True)
 class Select:
-    """`then` where `condition` holds, else `other`; both are already computed."""
+    """`then` where `condition` holds, else `otherwise`; both are already computed."""
 
     condition: Operand
     then: Operand
-    other: Operand
+    otherwise: Operand
 
     def __post_init__(self) -> None:
-        if self.condition.type is not BOOL or self.then.type is not self.other.type:
+        if self.condition.type is not BOOL or self.then.type is not self.otherwise.type:
             raise TypeError("Select takes a truth value and two operands of one type")
 
 
@@ -121,8 +121,8 @@ def operands(expression: Expression) -> tuple[Operand, ...]:
     match expression:
         case Op(args=args):
             return args
-        case Select(condition=condition, then=then, other=other):
-            return (condition, then, other)
+        case Select(condition=condition, then=then, otherwise=otherwise):
+            return (condition, then, otherwise)
         case IsFinite(arg=arg) | Trunc(arg=arg):
             return (arg,)
         case Load(index=index):

@@ -261,41 +261,41 @@ OPERATIONS: dict[str, Operation] = {
     "sin": _library("sin", math.sin),
     "cos": _library("cos", math.cos),
     "tan": _library("tan", math.tan),
-    "lt": _comparison((REAL, REAL), "<", operator.lt, "_less({0}, {1}, False)", "Lt", "Ge", "OP_LT"),
-    "le": _comparison((REAL, REAL), "<=", operator.le, "_less({0}, {1}, True)", "Le", "Gt", "OP_LE"),
-    "eq": _comparison((REAL, REAL), "", operator.eq, "_equal({0}, {1})", "Eq", "Ne", "OP_EQ"),
-    "ne": _comparison((REAL, REAL), "", operator.ne, "_not(_equal({0}, {1}))", "Ne", "Eq", "OP_NE"),
-    "ilt": _comparison((INT, INT), "<", operator.lt, "_before({0}, {1})", "Lt", "Ge"),
-    "tlt": _comparison((TICK, TICK), "<", operator.lt, "_before({0}, {1})", "Lt", "Ge"),
-    "and": _truth("&&", lambda a, b: a and b, "OP_AND", "_both({0}, {1})"),
-    "or": _truth("||", lambda a, b: a or b, "OP_OR", "_not(_both(_not({0}), _not({1})))"),
+    "lt": _comparison((REAL, REAL), "<", operator.lt, "_is_less({0}, {1}, False)", "Lt", "Ge", "OP_LT"),
+    "le": _comparison((REAL, REAL), "<=", operator.le, "_is_less({0}, {1}, True)", "Le", "Gt", "OP_LE"),
+    "eq": _comparison((REAL, REAL), "", operator.eq, "_is_equal({0}, {1})", "Eq", "Ne", "OP_EQ"),
+    "ne": _comparison((REAL, REAL), "", operator.ne, "_not(_is_equal({0}, {1}))", "Ne", "Eq", "OP_NE"),
+    "ilt": _comparison((INT, INT), "<", operator.lt, "_is_less_integer({0}, {1})", "Lt", "Ge"),
+    "tlt": _comparison((TICK, TICK), "<", operator.lt, "_is_less_integer({0}, {1})", "Lt", "Ge"),
+    "and": _truth("&&", lambda a, b: a and b, "OP_AND", "_and({0}, {1})"),
+    "or": _truth("||", lambda a, b: a or b, "OP_OR", "_not(_and(_not({0}), _not({1})))"),
     "not": _truth("", operator.not_, "OP_NOT", "_not({0})", 1),
-    "iadd": _whole("+", operator.add, "_added({0}, {1})"),
-    "isub": _whole("-", operator.sub, "_less_by({0}, {1})"),
-    "ineg": Operation((INT,), INT, "integer", operator.neg, ball="_negated({0})"),
-    "imul": _whole("*", operator.mul, "_times({0}, {1})"),
-    "idiv": _whole("/", operator.floordiv, "_quotient({0}, {1})"),  # of a number not negative by a positive one, rounded down
-    "ishr": _whole(">>", operator.rshift, "_lowered({0}, {1})"),  # rounded down, of a negative number too
-    "ishl": _whole("<<", operator.lshift, "_raised({0}, {1})"),  # of a number not negative
+    "iadd": _whole("+", operator.add, "_add({0}, {1})"),
+    "isub": _whole("-", operator.sub, "_subtract({0}, {1})"),
+    "ineg": Operation((INT,), INT, "integer", operator.neg, ball="_negate({0})"),
+    "imul": _whole("*", operator.mul, "_multiply({0}, {1})"),
+    "idiv": _whole("/", operator.floordiv, "_divide({0}, {1})"),  # of a number not negative by a positive one, rounded down
+    "ishr": _whole(">>", operator.rshift, "_shift_right({0}, {1})"),  # rounded down, of a negative number too
+    "ishl": _whole("<<", operator.lshift, "_shift_left({0}, {1})"),  # of a number not negative
     "upper": Operation(  # a b / 2^16 rounded down, 0 <= b < 2^16: a product of 48 bits without its last 16
-        (INT, INT), INT, "mul", lambda a, b: a * b >> 16, ball="_upper({0}, {1})",
+        (INT, INT), INT, "mul", lambda a, b: a * b >> 16, ball="_high_product({0}, {1})",
     ),
     # of 16 bits each, the first with a sign, the second without one
-    "product": Operation((INT, INT), INT, "mul", operator.mul, "*", ball="_times({0}, {1})"),
+    "product": Operation((INT, INT), INT, "mul", operator.mul, "*", ball="_multiply({0}, {1})"),
     # a mod 2^k, for a second argument of 2^k - 1
-    "low": Operation((INT, INT), INT, "integer", operator.and_, ball="_low({0}, {1})"),
-    "short": Operation((INT,), INT, "integer", lambda a: a, ball="_same({0})"),  # of 16 bits with a sign, which C is told so
+    "low": Operation((INT, INT), INT, "integer", operator.and_, ball="_mask({0}, {1})"),
+    "short": Operation((INT,), INT, "integer", lambda a: a, ball="_unchanged({0})"),  # of 16 bits with a sign, which C is told so
     # of a > 0: by how many places its bits can move up, so that it is in [2^30, 2^31)
-    "leading": Operation((INT,), INT, "integer", lambda a: 31 - a.bit_length(), ball="_leading({0})"),
-    "int": Operation((TICK,), INT, "integer", int, ball="_same({0})"),  # of a count below 2^31
-    "real": Operation((INT,), REAL, "integer", float, ball="_number({0})", formula=lambda _, a: a),
+    "leading": Operation((INT,), INT, "integer", lambda a: 31 - a.bit_length(), ball="_leading_places({0})"),
+    "int": Operation((TICK,), INT, "integer", int, ball="_unchanged({0})"),  # of a count below 2^31
+    "real": Operation((INT,), REAL, "integer", float, ball="_integer_ball({0})", formula=lambda _, a: a),
     # of y >= 1/sqrt 2, y = mantissa 2^exponent with the mantissa in [1/sqrt 2, sqrt 2); exact
     "exponent": Operation(
-        (REAL,), INT, "integer", lambda a: _split(a)[1], ball="_exponent({0}, _least_mantissa)",
+        (REAL,), INT, "integer", lambda a: _split(a)[1], ball="_exponent({0}, _smallest_mantissa)",
         formula=lambda sp, a: sp.Function("exponent")(a),
     ),
     "mantissa": Operation(
-        (REAL,), REAL, "integer", lambda a: _split(a)[0], ball="_mantissa({0}, _least_mantissa)", ulps=0,
+        (REAL,), REAL, "integer", lambda a: _split(a)[0], ball="_mantissa({0}, _smallest_mantissa)", ulps=0,
         formula=lambda sp, a: sp.Function("mantissa")(a),
     ),
 }  # fmt: skip

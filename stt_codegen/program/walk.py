@@ -71,8 +71,8 @@ class Walk(ABC):
         match expression:
             case Var() | Const():
                 return self.operand(expression)
-            case Select(condition=condition, then=then, other=other):
-                return self.select(*(self.operand(v) for v in (condition, then, other)))
+            case Select(condition=condition, then=then, otherwise=otherwise):
+                return self.select(*(self.operand(v) for v in (condition, then, otherwise)))
             case IsFinite(arg=arg):
                 return self.finite(self.operand(arg))
             case Trunc(arg=arg):
@@ -88,7 +88,7 @@ class Walk(ABC):
     @abstractmethod
     def constant(self, constant: Const) -> Any: ...
     @abstractmethod
-    def select(self, condition: Any, then: Any, other: Any) -> Any: ...
+    def select(self, condition: Any, then: Any, otherwise: Any) -> Any: ...
     @abstractmethod
     def finite(self, value: Any) -> Any: ...
     @abstractmethod

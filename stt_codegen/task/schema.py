@@ -38,8 +38,8 @@ from stt_codegen.task.sets import (
     HalfSpace,
     Region,
     StateSpace,
-    Table,
     Target,
+    TomlTable,
     Unsafe,
     UnsafeSet,
     course_of,
@@ -62,7 +62,7 @@ Scalar = Literal["float", "double", "fixed"]
 Preference = Literal["balanced", "slow", "wide", "period"]
 Outside = Literal["return", "hold", "stop"]
 PLANT_BOUNDS = ("f_max", "w_max", "g_min", "g_max", "g_cross")  # keys of [plant] that are one number, or one for each component
-EmitOptionsType = TypeVar("EmitOptionsType", bound=Table)
+EmitOptionsType = TypeVar("EmitOptionsType", bound=TomlTable)
 
 
 class InitialSet(Box):
@@ -83,7 +83,7 @@ def _from_box(value: object) -> object:
     return value
 
 
-class AdaptiveOptions(Table):
+class AdaptiveOptions(TomlTable):
     """Parameters of the paper's functions (7)-(11). If absent, the adaptive design chooses them by search, and the literal design
     takes those of the paper's case study."""
 
@@ -97,7 +97,7 @@ class AdaptiveOptions(Table):
     target_margin: NotNegative | None = Field(default=None, description="inset of That, units; adaptive only")
 
 
-class TubeOptions(Table):
+class TubeOptions(TomlTable):
     """How the tube is designed."""
 
     design: DesignKind = "refined"
@@ -129,7 +129,7 @@ class TubeOptions(Table):
         return CAPABILITIES[self.design]
 
 
-class ControlOptions(Table):
+class ControlOptions(TomlTable):
     """The control law (13)."""
 
     gain: GainOrAuto | None = Field(
@@ -167,7 +167,7 @@ def _with_language_keys(options: type[EmitOptionsType]) -> type[EmitOptionsType]
 
 
 @_with_language_keys
-class EmitOptions(Table):
+class EmitOptions(TomlTable):
     """What the C looks like."""
 
     scalar: Scalar = "float"
@@ -176,7 +176,7 @@ class EmitOptions(Table):
     selftest: StrictBool = Field(default=False, description="adds <name>_selftest.c for the board's boot")
 
 
-class PlantBounds(Table):
+class PlantBounds(TomlTable):
     """Bounds on the plant for the effort and sampling statements; the controller itself needs none of them."""
 
     order: Annotated[int, BeforeValidator(read_integer)] = Field(
@@ -232,7 +232,7 @@ def _named(sets: tuple[AnyUnsafe, ...]) -> tuple[AnyUnsafe, ...]:
     return tuple(named)
 
 
-class TaskTables(Table):
+class TaskTables(TomlTable):
     """All tables of a task, and the sets and bounds that they describe. Users have its checked subclass `Task`."""
 
     name: str = Field(description="prefix of every emitted identifier", pattern="^[A-Za-z][A-Za-z0-9_]*$", max_length=MAX_NAME)

@@ -107,7 +107,7 @@ def without_clamp(program: Program, name: str) -> Program:
         for s in statements:
             if isinstance(s, Assign) and s.var.name == name:
                 assert isinstance(s.value, Select)
-                value = s.value.other if isinstance(s.value.then, Const) else s.value.then
+                value = s.value.otherwise if isinstance(s.value.then, Const) else s.value.then
                 found.append(Assign(s.var, value))
             else:
                 found.append(replace(s, body=body(s.body)) if hasattr(s, "count") else s)

@@ -339,7 +339,7 @@ def with_function(case: str, function: str, change: Callable[[Any], Any]) -> dic
 def not_outside(s: Any) -> Any:
     """The status says OK outside the tube."""
     wrong = isinstance(s, Assign) and s.var.name == "outside_any" and isinstance(s.value, Select)
-    return replace(s, value=replace(s.value, other=s.value.then)) if wrong else s
+    return replace(s, value=replace(s.value, otherwise=s.value.then)) if wrong else s
 
 
 def first_limit(s: Any) -> Any:
@@ -383,7 +383,7 @@ def test_a_branch_that_no_point_takes_leaves_its_lemma_open(monkeypatch: Any) ->
     t = Var("t", REAL)
 
     def change(s: Any) -> Any:
-        return replace(s, value=Select(Var("there", BOOL), s.value.other, s.value.then)) if _is_gain(s) else s
+        return replace(s, value=Select(Var("there", BOOL), s.value.otherwise, s.value.then)) if _is_gain(s) else s
 
     def _is_gain(s: Any) -> bool:
         return isinstance(s, Assign) and s.var.name == "gain" and isinstance(s.value, Select)

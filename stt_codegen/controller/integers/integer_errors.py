@@ -65,8 +65,8 @@ def at_all(kernel: Kernel, inputs: Mapping[str, Integers]) -> tuple[Integers, ..
                 known[assign.var.name] = value(count)
             case Op(name=name, args=args):
                 known[assign.var.name] = OPERATIONS[name].number(*map(value, args))
-            case Select(condition=c, then=then, other=other):
-                known[assign.var.name] = np.where(value(c), value(then), value(other))
+            case Select(condition=c, then=then, otherwise=otherwise):
+                known[assign.var.name] = np.where(value(c), value(then), value(otherwise))
             case _:
                 raise NotImplementedError(f"{kernel.name}: {type(assign.value).__name__}")
     return tuple(value(o) for o in kernel.outputs)

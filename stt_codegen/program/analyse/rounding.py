@@ -1,8 +1,8 @@
-"""A reader that bounds the rounding error of a kernel: for every value its range and how far it may be from the truth.
+"""A reader that bounds the rounding error of a kernel: for every value its exact range and its largest error.
 
 Forward analysis in exact fractions: each operation adds at most half a unit in the last place of its result's range
-(plus half the least subnormal), a function of the C library 2 units. The operations are those that have a range in their row; a
-kernel with other nodes is an error here.
+(plus half the least subnormal), a function of the C library 2 units. It knows the operations that have `ranged` in their row, and
+raises `NotImplementedError` for a kernel with other nodes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Inexact:
 
 
 def rounding_error(kernel: Kernel, inputs: Mapping[str, Inexact], scalar: str) -> tuple[Inexact, ...]:
-    """Range and error bound of each output of `kernel`, for inputs in the given ranges, in this scalar type."""
+    """Return range and error bound of each output of `kernel`, for inputs in these ranges, in this scalar type."""
     form = FORMATS[scalar]
     known: dict[str, Inexact] = dict(inputs)
 
@@ -53,13 +53,13 @@ def rounding_error(kernel: Kernel, inputs: Mapping[str, Inexact], scalar: str) -
 
 
 def _operation(op: Op, args: list[Inexact], rounded: Callable[[Fraction, Fraction, Fraction], Inexact]) -> Inexact:
-    """From its row: each `rounded` adds half a unit."""
+    """Return the range and error of an operation, by its row; each call of `rounded` adds half a unit in the last place."""
     row = OPERATIONS[op.name]
-    found = None if row.ranged is None else row.ranged(*args)
-    if found is None or row.ulps is None:
+    bounds = None if row.ranged is None else row.ranged(*args)
+    if bounds is None or row.ulps is None:
         low, high = float(args[0].low), float(args[0].high)
         raise NotImplementedError(f"no rounding bound for operation {op.name!r} on [{low:g}, {high:g}]")
-    result = Inexact(*found)
+    result = Inexact(*bounds)
     for _ in range(math.ceil(2 * row.ulps)):
         result = rounded(result.low, result.high, result.error)
     return result

@@ -61,23 +61,27 @@ Value = Real | Truth | int
 
 
 def exact(value: Fraction | int) -> np.longdouble:
-    """A fraction in extended precision."""
+    """Return a fraction in extended precision."""
     fraction = Fraction(value)
     return np.longdouble(fraction.numerator) / np.longdouble(fraction.denominator)
 
 
 class Runner:
-    """Runs the functions of one program. `settled` names carried values whose error is not propagated from one turn of
-    their loop to the next: Newton iterates, since Newton's map has slope zero at the root and their error enters squared."""
+    """Runs the functions of one program.
 
-    def __init__(self, program: Program, settled: Iterable[str] = ()) -> None:
+    newton_iterates: names of carried values whose error is not propagated from one turn of their loop to the next. Newton's map
+    has slope zero at the root, so that their error enters squared.
+    """
+
+    def __init__(self, program: Program, newton_iterates: Iterable[str] = ()) -> None:
         self.program = program
-        self.settled = frozenset(settled)
+        self.newton_iterates = frozenset(newton_iterates)
         form = FORMATS[program.scalar]
         self.half_ulp, self.tiny = float(form.roundoff), float(form.tiny) or 5e-324
 
     def run(self, function: str, inputs: Mapping[str, Array]) -> dict[str, Real]:
-        """Outputs of shape (P, length) for inputs of shape (P,) or (P, length), taken as exact and finite."""
+        """Return the outputs by name, of shape (P, length), for inputs of shape (P,) or (P, length), taken as exact and finite. A
+        real that the function returns is "return"."""
         f = self.program.function(function)
         points = len(next(iter(inputs.values())))
         zero = np.zeros(points)
@@ -91,7 +95,7 @@ class Runner:
                 self.arrays[p.name] = {k: Real(data[:, k], zero) for k in range(p.length)}
         for p in f.outputs:
             self.arrays.setdefault(p.name, {})
-        self._statements(f.body, state)
+        self._run_statements(f.body, state)
         results = {"return": self.arrays["return"][0]} if f.returns_real else {}
         for p in f.outputs:
             stored = self.arrays[p.name]
@@ -102,7 +106,8 @@ class Runner:
             )
         return results
 
-    def _statements(self, body: Iterable[Statement], state: dict[str, Value]) -> None:
+    def _run_statements(self, body: Iterable[Statement], state: dict[str, Value]) -> None:
+        """Run statements; `state` has the values by name, and `arrays` what is stored."""
         for statement in body:
             match statement:
                 case Assign(var=var, value=value):
@@ -111,20 +116,20 @@ class Runner:
                     outputs = self._kernel(self.program.kernel(name), [self._operand(a, state) for a in args])
                     state.update({r.name: v for r, v in zip(results, outputs, strict=True)})
                 case Store(array=array, index=index, value=value):
-                    where, what = self._operand(index, state), self._operand(value, state)
-                    assert isinstance(where, int)
-                    assert isinstance(what, Real)
-                    self.arrays[array][where] = what
+                    entry, stored = self._operand(index, state), self._operand(value, state)
+                    assert isinstance(entry, int)
+                    assert isinstance(stored, Real)
+                    self.arrays[array][entry] = stored
                 case For(index=index, count=count, body=inner, carries=carries):
                     for c in carries:
                         state[c.var.name] = self._operand(c.initial, state)
                     for k in range(count):
                         state[index.name] = k
                         for c in carries:
-                            held = state[c.var.name]
-                            if c.var.name in self.settled and isinstance(held, Real):
-                                state[c.var.name] = Real(held.value, np.zeros_like(held.error))
-                        self._statements(inner, state)
+                            carried = state[c.var.name]
+                            if c.var.name in self.newton_iterates and isinstance(carried, Real):
+                                state[c.var.name] = Real(carried.value, np.zeros_like(carried.error))
+                        self._run_statements(inner, state)
                         state.update({c.var.name: self._operand(c.next, state) for c in carries})
                 case Return(status=Var() | Const() as value, when=None) if value.type is REAL:
                     returned = self._operand(value, state)
@@ -135,7 +140,7 @@ class Runner:
 
     def _kernel(self, kernel: Kernel, args: list[Value]) -> list[Value]:
         state: dict[str, Value] = dict(zip((v.name for v in kernel.inputs), args, strict=True))
-        self._statements(kernel.body, state)
+        self._run_statements(kernel.body, state)
         return [self._operand(o, state) for o in kernel.outputs]
 
     def _operand(self, operand: Operand, state: Mapping[str, Value]) -> Value:
@@ -144,6 +149,7 @@ class Runner:
         return self._constant(operand)
 
     def _constant(self, constant: Const) -> Value:
+        """Return a constant with the error of its rounding; NaN has none."""
         value = constant.value
         if constant.type is INT:
             assert isinstance(value, int)
@@ -156,38 +162,40 @@ class Runner:
         return Real(np.array(exact(value)), np.array(float(error)))
 
     def _expression(self, value: Expression, state: Mapping[str, Value]) -> Value:
+        """Return the value of an expression. Raises `NotImplementedError` for a node that has no error bound."""
         match value:
             case Var() | Const():
                 return self._operand(value, state)
             case Op(name=name, args=args):
                 return self._operation(name, [self._operand(a, state) for a in args])
-            case Select(condition=c, then=a, other=b):
+            case Select(condition=c, then=a, otherwise=b):
                 return self._select(self._operand(c, state), self._operand(a, state), self._operand(b, state))
             case IsFinite():
                 return Truth(np.array(True), np.array(False))
             case Load(array=array, index=index):
-                where = self._operand(index, state)
-                assert isinstance(where, int)
+                entry = self._operand(index, state)
+                assert isinstance(entry, int)
                 if any(t.name == array for t in self.program.tables):
-                    return self._constant(Const(self.program.table(array).values[where]))
-                return self.arrays[array][where]
+                    return self._constant(Const(self.program.table(array).values[entry]))
+                return self.arrays[array][entry]
         raise NotImplementedError(f"no error bound for {type(value).__name__}")
 
-    def _select(self, condition: Value, then: Value, other: Value) -> Value:
-        """The chosen branch; where the condition is undecided, its error reaches to the other one."""
-        if isinstance(then, Truth) and isinstance(other, Truth) and isinstance(condition, Truth):
+    def _select(self, condition: Value, then: Value, otherwise: Value) -> Value:
+        """Return what a Select chooses; where its condition is undecided, the error reaches to the value that it might choose."""
+        if isinstance(then, Truth) and isinstance(otherwise, Truth) and isinstance(condition, Truth):
             return Truth(
-                np.where(condition.value, then.value, other.value), condition.undecided | then.undecided | other.undecided
+                np.where(condition.value, then.value, otherwise.value), condition.undecided | then.undecided | otherwise.undecided
             )
         assert isinstance(condition, Truth)
         assert isinstance(then, Real)
-        assert isinstance(other, Real)
-        value = np.where(condition.value, then.value, other.value)
-        error = np.where(condition.value, then.error, other.error)
-        reach = np.abs(then.value - other.value).astype(float) + np.maximum(then.error, other.error)
+        assert isinstance(otherwise, Real)
+        value = np.where(condition.value, then.value, otherwise.value)
+        error = np.where(condition.value, then.error, otherwise.error)
+        reach = np.abs(then.value - otherwise.value).astype(float) + np.maximum(then.error, otherwise.error)
         return Real(value, np.where(condition.undecided, reach, error))
 
     def _operation(self, name: str, args: list[Value]) -> Value:
+        """Return an operation; a comparison is undecided where its operands are as near as their errors."""
         if name in ("iadd", "imul"):
             a, b = args
             assert isinstance(a, int)
@@ -203,6 +211,7 @@ class Runner:
         return self._arithmetic(name, reals)
 
     def _arithmetic(self, name: str, args: list[Real]) -> Real:
+        """Return an operation on reals, by the `spread` or `change` of its row."""
         row = OPERATIONS[name]
         with np.errstate(all="ignore"):
             if row.spread is not None and row.ulps is not None:
@@ -214,15 +223,15 @@ class Runner:
         raise NotImplementedError(f"no error bound for operation {name!r}")
 
     def _rounded(self, value: Array, spread: Array, ulps: float) -> Real:
-        """A result with the error of its arguments and its own rounding, so many units in the last place."""
-        own = (np.abs(value) + spread) * (2 * ulps * self.half_ulp) + 2 * ulps * self.tiny
-        return Real(value, np.asarray(spread + own, dtype=float))
+        """Return a result with its error: `spread`, from its arguments, and its rounding by `ulps` units in the last place."""
+        rounding = (np.abs(value) + spread) * (2 * ulps * self.half_ulp) + 2 * ulps * self.tiny
+        return Real(value, np.asarray(spread + rounding, dtype=float))
 
 
 def _logic(name: str, args: list[Truth]) -> Truth:
     undecided = args[0].undecided
-    for other in args[1:]:
-        undecided = undecided | other.undecided
+    for arg in args[1:]:
+        undecided = undecided | arg.undecided
     if name == "not":
         return Truth(~args[0].value, undecided)
     return Truth(args[0].value & args[1].value if name == "and" else args[0].value | args[1].value, undecided)

@@ -113,8 +113,8 @@ class _Reader:
         typed = tuple(self._as_bool(a) if logical else self._as_real(a) for a in args)
         return self._number(Op(operation, typed))
 
-    def _select(self, condition: Operand, then: Operand, other: Operand) -> Operand:
-        return self._number(Select(condition, then, other))
+    def _select(self, condition: Operand, then: Operand, otherwise: Operand) -> Operand:
+        return self._number(Select(condition, then, otherwise))
 
     def _number(self, value: Op | Select) -> Operand:
         key: object = value

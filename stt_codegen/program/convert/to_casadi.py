@@ -75,8 +75,8 @@ class _Walk(Walk):
             return float("nan") if number is None else number
         return float(round_to(Fraction(number), self.program.scalar))
 
-    def select(self, condition: Any, then: Any, other: Any) -> Any:
-        return (then if condition else other) if isinstance(condition, bool) else ca.if_else(condition, then, other)
+    def select(self, condition: Any, then: Any, otherwise: Any) -> Any:
+        return (then if condition else otherwise) if isinstance(condition, bool) else ca.if_else(condition, then, otherwise)
 
     def finite(self, _value: Any) -> Any:
         return True

@@ -100,8 +100,8 @@ def _printed_expression(value: Any, scalar: str) -> Any:
             return Const(-printed(constant).value)
         case Op(name=name, args=args):
             return Op(name, tuple(map(printed, args)))
-        case Select(condition=condition, then=then, other=other):
-            return Select(printed(condition), printed(then), printed(other))
+        case Select(condition=condition, then=then, otherwise=otherwise):
+            return Select(printed(condition), printed(then), printed(otherwise))
         case IsFinite(arg=arg):
             return IsFinite(printed(arg))
         case Trunc(arg=arg):

@@ -116,8 +116,8 @@ class _Walk(Walk):
         exact = Fraction(number)
         return sp.Rational(exact.numerator, exact.denominator) if self.symbolic else float(exact)
 
-    def select(self, condition: Value, then: Value, other: Value) -> Value:
-        return then if condition else other
+    def select(self, condition: Value, then: Value, otherwise: Value) -> Value:
+        return then if condition else otherwise
 
     def finite(self, value: Value) -> Value:
         return self.decide(math.isfinite, value)

@@ -77,6 +77,6 @@ def _assigned(assign: Assign, value: Any, outcomes: Mapping[str, bool], conditio
             return {"and": all(truths), "or": any(truths), "not": not truths[0]}[name]
         case Op(name=name, args=args) if OPERATIONS[name].formula is not None:
             return formula_of(name, *map(value, args))
-        case Select(condition=condition, then=then, other=other):
-            return value(then) if value(condition) else value(other)
+        case Select(condition=condition, then=then, otherwise=otherwise):
+            return value(then) if value(condition) else value(otherwise)
     raise NotImplementedError(f"{assign.var.name}: no formula for {assign.value}")

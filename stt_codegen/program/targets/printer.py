@@ -56,7 +56,7 @@ class Printer(ABC):
                 return self.format_var(value)
             case Const():
                 return self.literal(value)
-            case Select(condition=c, then=a, other=b):
+            case Select(condition=c, then=a, otherwise=b):
                 return self.format_select(value, self.expression(c), self.expression(a), self.expression(b))
             case IsFinite(arg=a):
                 return self.format_finite(self.expression(a))
@@ -96,7 +96,7 @@ class Printer(ABC):
     @abstractmethod
     def array(self, name: str) -> str: ...
     @abstractmethod
-    def format_select(self, select: Select, condition: str, then: str, other: str) -> str: ...
+    def format_select(self, select: Select, condition: str, then: str, otherwise: str) -> str: ...
     @abstractmethod
     def format_finite(self, value: str) -> str: ...
     @abstractmethod

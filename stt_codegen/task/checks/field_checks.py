@@ -23,7 +23,7 @@ from stt_codegen.task.sets import (
     Course,
     Normal,
     Region,
-    Table,
+    TomlTable,
     UnsafeSet,
     affine_dimension,
     corners_of_cut_box,
@@ -82,7 +82,7 @@ def _full_length_fields(task: TaskTables) -> list[tuple[str, Sized]]:
     fields += [(f"{field}.{name}", vector) for field, table in _boxes_of(task) for name, vector in table.vectors()]
     if task.body is not None:
         fields.append(("body", task.body))
-    options: tuple[tuple[str, Table, tuple[str, ...]], ...] = (
+    options: tuple[tuple[str, TomlTable, tuple[str, ...]], ...] = (
         ("control", task.control, ("gain", "e_max", "u_max")),
         ("tube", task.tube, ("max_speed", "max_acceleration", "filter")),
         ("plant", task.plant, PLANT_BOUNDS),

@@ -38,7 +38,7 @@ from stt_codegen.task.mission.grammar import parse_formula
 from stt_codegen.task.sets import (
     SET_TABLES,
     OneOf,
-    Table,
+    TomlTable,
     Unsafe,
     kind_of_set,
 )
@@ -52,7 +52,7 @@ FORMS = {  # the key that decides the form of an entry, and the keys that may st
 }
 
 
-class RegionUnion(Table):
+class RegionUnion(TomlTable):
     """A region that is the union of other regions."""
 
     name: str = Field(default="", max_length=MAX_LABEL)
@@ -69,7 +69,7 @@ def _kind_of_region(value: Any) -> str:
 AnyRegion = Annotated[Unsafe | RegionUnion, OneOf((*SET_TABLES, RegionUnion), _kind_of_region)]
 
 
-class MissionEntry(Table):
+class MissionEntry(TomlTable):
     """One thing that must hold: a visit, something never, a patrol, or a formula."""
 
     visit: str | None = Field(default=None, description="a region to be in, at some time")

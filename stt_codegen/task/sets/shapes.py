@@ -46,13 +46,13 @@ EdgesOrNone = Annotated[
 ]
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """A table of a task file: frozen, without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, revalidate_instances="always")
 
 
-class Box(Table):
+class Box(TomlTable):
     """An axis-aligned box: `lower` and `upper` edges by dimension, in the task's units."""
 
     lower: Vector
@@ -74,7 +74,7 @@ class Box(Table):
         return BoxSet(self.lower, self.upper)
 
 
-class Waypoint(Table):
+class Waypoint(TomlTable):
     """A displacement at a time on the clock of the sets."""
 
     at: NotNegative = Field(description="seconds")
@@ -193,7 +193,7 @@ class Target(Region):
         return BoxSet(tuple(lower), tuple(upper))
 
 
-class Unsafe(Table):
+class Unsafe(TomlTable):
     """The keys that all unsafe sets U_j share; sets without a name are called U1, U2, ... in the order of the file.
 
     point_fields: the fields that are points or lists of points, which a translation of the set moves. A set without any is
@@ -454,7 +454,7 @@ def fields_of_shape(table: type[Unsafe]) -> list[str]:
 class OneOf:
     """Annotation for pydantic: the tables that a field may hold, and `kind`, which gives a value's tag `<name of the table>`."""
 
-    tables: tuple[type[Table], ...]
+    tables: tuple[type[TomlTable], ...]
     kind: Callable[[Any], str]
 
     def __get_pydantic_core_schema__(self, _source: Any, handler: GetCoreSchemaHandler) -> Any:

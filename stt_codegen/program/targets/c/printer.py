@@ -85,8 +85,8 @@ class CPrinter(Printer):
             return entry
         return f"{self.macro}_READ_{entry_bits(table)}({entry})"
 
-    def format_select(self, _select: Select, condition: str, then: str, other: str) -> str:
-        return f"{condition} ? {then} : {other}"
+    def format_select(self, _select: Select, condition: str, then: str, otherwise: str) -> str:
+        return f"{condition} ? {then} : {otherwise}"
 
     def format_finite(self, value: str) -> str:
         return f"isfinite({value}) != 0"

@@ -32,12 +32,12 @@ class PythonPrinter(Printer):
         """What some node of the program needs beside expressions."""
         if not uses_split(self.program):
             return []
-        least = self.literal(Const(FORMATS[self.program.scalar].least_mantissa))
+        smallest = self.literal(Const(FORMATS[self.program.scalar].smallest_mantissa))
         return [
             "def _split(y):",
             '    """m and e with y = m 2^e, m in [1/sqrt 2, sqrt 2)."""',
             "    m, e = math.frexp(y)",
-            f"    return (m, e) if m >= {least} else (2.0 * m, e - 1)",
+            f"    return (m, e) if m >= {smallest} else (2.0 * m, e - 1)",
         ]
 
     def literal(self, constant: Const) -> str:
@@ -55,8 +55,8 @@ class PythonPrinter(Printer):
     def array(self, name: str) -> str:
         return name.upper() if self.is_table(name) else name
 
-    def format_select(self, _select: Select, condition: str, then: str, other: str) -> str:
-        return f"{then} if {condition} else {other}"
+    def format_select(self, _select: Select, condition: str, then: str, otherwise: str) -> str:
+        return f"{then} if {condition} else {otherwise}"
 
     def format_finite(self, value: str) -> str:
         return f"math.isfinite({value})"

@@ -123,8 +123,8 @@ class RustPrinter(Printer):
     def index(self, index: str) -> str:
         return index if index.isdigit() else f"{index} as usize"
 
-    def format_select(self, _select: Select, condition: str, then: str, other: str) -> str:
-        return f"if {condition} {{ {then} }} else {{ {other} }}"
+    def format_select(self, _select: Select, condition: str, then: str, otherwise: str) -> str:
+        return f"if {condition} {{ {then} }} else {{ {otherwise} }}"
 
     def format_finite(self, value: str) -> str:
         return f"{value}.is_finite()"

@@ -30,7 +30,7 @@ class JavaScriptPrinter(Printer):
         """What some node of the program needs beside expressions."""
         if not uses_split(self.program):
             return []
-        least = self.literal(Const(FORMATS[self.program.scalar].least_mantissa))
+        least = self.literal(Const(FORMATS[self.program.scalar].smallest_mantissa))
         return [
             "// [m, e] with y = m 2^e, m in [1/sqrt 2, sqrt 2).",
             "function split(y) {",
