@@ -23,7 +23,7 @@ from pathlib import Path
 
 from stt_codegen.certify import checker
 from stt_codegen.theorem.facts import Statement
-from stt_codegen.theorem.reading import kernels, spline_time
+from stt_codegen.theorem.reading import read_kernels, read_spline_time
 
 ROOT = Path(__file__).parent.parent
 FORMATS = {"float": ("ieee_32", 24, 150), "double": ("ieee_64", 53, 1075)}
@@ -87,7 +87,7 @@ def confirmed(folder: Path, task: Path, keep: Path | None) -> list[bool]:
     _, bits, least = FORMATS[scalar]
     eps, tiny = Fraction(1, 1 << bits), Fraction(1, 1 << least)
     late = tube.segments * 4 * eps * (1 + eps) + tiny
-    rate, last = spline_time(source, known.n)
+    rate, last = read_spline_time(source, known.n)
     if not 0 < tube.segments - last <= late:
         return [False]
     said = f"{name}_{scalar}"
@@ -95,7 +95,7 @@ def confirmed(folder: Path, task: Path, keep: Path | None) -> list[bool]:
     for i, error in enumerate(certificate["edge_error"]):
         largest = max(abs(v) for row in tube.table for v in row[i]) * tube.unit
         bound = error * tube.unit - late * tube.fastest(i) * tube.unit
-        found.append(bound > 0 and holds(blend_script(scalar, kernels(source), largest, bound), keep, f"{said}_{i + 1}"))
+        found.append(bound > 0 and holds(blend_script(scalar, read_kernels(source), largest, bound), keep, f"{said}_{i + 1}"))
     return found
 
 

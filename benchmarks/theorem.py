@@ -32,11 +32,11 @@ from benchmarks.token_mutants import accepted, changed, files_of, mutants, same_
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_program, certify
-from stt_codegen.theorem import asking
-from stt_codegen.theorem.controller_theorem import deep, quoted, uncovered
-from stt_codegen.theorem.reading import Unread, facts
+from stt_codegen.theorem import coq
+from stt_codegen.theorem.controller_theorem import controller_theorem_text, coq_string, reason_not_covered
+from stt_codegen.theorem.reading import Unread, read_facts
 from stt_codegen.theorem.text import theorem_text
-from stt_codegen.theorem.tube_theorem import written
+from stt_codegen.theorem.tube_theorem import tube_theorem_text
 
 ROOT = Path(__file__).parent.parent
 CLAIMED = ("P1", "P2", "P3", "P4", "P5")  # of a tube, by theorem 1; P6 is no part of it
@@ -50,14 +50,14 @@ def shipped() -> tuple[list[list[str]], bool]:
         own = [(folder / f"{name}{end}").read_bytes() for end in (".h", ".c", ".certificate.json")]
         files = [(ROOT / "tasks" / f"{name}.toml").read_bytes(), *own]
         try:
-            read = facts(files[0], *files[2:])
+            read = read_facts(files[0], *files[2:])
         except BadInput:
             continue
-        text, about = theorem_text(*files), "tube" if uncovered(read, *files[:3]) else "controller"
-        answer = asking.ask_coq(text, name)
-        good = good and answer.holds and set(answer.axioms) == asking.AXIOMS
+        text, about = theorem_text(*files), "tube" if reason_not_covered(read, *files[:3]) else "controller"
+        answer = coq.check_with_coq(text, name)
+        good = good and answer.holds and set(answer.axioms) == coq.ACCEPTED_AXIOMS
         period = "" if read.sampling is None else f"{decimal(read.sampling.period)} s"
-        verdict = "yes" if answer.holds else answer.what
+        verdict = "yes" if answer.holds else answer.message
         rows.append(
             [
                 name,
@@ -86,13 +86,13 @@ def unsafe(seed: int) -> Iterator[tuple[str, bytes | None, str]]:
             continue
         files = files_claiming_success(task, design, certify(task, design, build_program(task, design)))
         try:
-            read = facts(files["task.toml"], files[f"{task.name}.c"], files[f"{task.name}.certificate.json"])
+            read = read_facts(files["task.toml"], files[f"{task.name}.c"], files[f"{task.name}.certificate.json"])
         except BadInput:
             continue  # sets that no theorem is about
         except Unread:
             yield f"mutant {number}: {fault}", None, task.name
         else:
-            yield f"mutant {number}: {fault}", written(read), task.name
+            yield f"mutant {number}: {fault}", tube_theorem_text(read), task.name
 
 
 def unsafe_mutants(count: int, seed: int) -> Counter[str]:
@@ -102,7 +102,7 @@ def unsafe_mutants(count: int, seed: int) -> Counter[str]:
         what, text, name = mutant
         if text is None:
             return "refused by the reader"
-        if not asking.ask_coq(text, name).holds:
+        if not coq.check_with_coq(text, name).holds:
             return "refused by Coq"
         print(f"accepted: {what}")
         return "ACCEPTED"
@@ -116,14 +116,14 @@ def token_mutants(name: str, count: int, seed: int) -> Counter[str]:
     is of functions that the theorem is not about: those are the stand-alone checker's."""
     every = [m for m in mutants(name) if m.file in (f"{name}.c", f"{name}.h")]
     task, plain = (ROOT / "tasks" / f"{name}.toml").read_bytes(), files_of(name)
-    text = deep(task, *(plain[f"{name}{end}"] for end in (".h", ".c", ".certificate.json")))
+    text = controller_theorem_text(task, *(plain[f"{name}{end}"] for end in (".h", ".c", ".certificate.json")))
     drawn = [(m, changed(m, name)) for m in Random(seed).sample(every, min(count, len(every)))]
 
     def by_coq(files: dict[str, bytes]) -> bool:
         bent = text
         for end in (".h", ".c"):
-            bent = bent.replace(quoted(plain[f"{name}{end}"].decode()), quoted(files[f"{name}{end}"].decode()))
-        return asking.ask_coq(bent.encode(), name).holds
+            bent = bent.replace(coq_string(plain[f"{name}{end}"].decode()), coq_string(files[f"{name}{end}"].decode()))
+        return coq.check_with_coq(bent.encode(), name).holds
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         holds = list(pool.map(by_coq, (files for _, files in drawn)))
@@ -143,18 +143,18 @@ def token_mutants(name: str, count: int, seed: int) -> Counter[str]:
 
 def library() -> str:
     """Seconds to compile it anew, and its lines."""
-    sources = [asking.library_folder() / f"{name}.v" for name in asking.names()]
-    begin = asking.processor()
+    sources = [coq.library_folder() / f"{name}.v" for name in coq.library_modules()]
+    begin = coq.child_processor_seconds()
     with tempfile.TemporaryDirectory() as folder:
         for path in sources:
             shutil.copy(path, folder)
             done = subprocess.run(
-                [asking.coqc(), *asking.QUIET, "-Q", ".", "Stt", path.name], cwd=folder, capture_output=True, check=False
+                [coq.find_coqc(), *coq.QUIET_OPTIONS, "-Q", ".", "Stt", path.name], cwd=folder, capture_output=True, check=False
             )
             if done.returncode:
                 raise RuntimeError(f"{path.name}: {done.stderr.decode()[-500:]}")
     lines = sum(path.read_text().count("\n") for path in sources)
-    return f"The library: {len(sources)} files, {lines} lines, {asking.processor() - begin:.0f} s."
+    return f"The library: {len(sources)} files, {lines} lines, {coq.child_processor_seconds() - begin:.0f} s."
 
 
 def main() -> int:
@@ -166,7 +166,7 @@ def main() -> int:
     parser.add_argument("--record", type=Path)
     asked = parser.parse_args()
     told, good = [library()] if asked.shipped else [], True
-    asking.library()
+    coq.compiled_library()
     if asked.shipped:
         rows, good = shipped()
         headings = ["task", "scalar", "about the", "seconds of coqc", "lines", "period of the sampled theorem", "of P9", "answer"]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from stt_codegen.theorem.asking import library
+from stt_codegen.theorem.coq import compiled_library
 from tests.support.controllers import ROOT
 from tests.support.mypy_reads import record_of
 from tests.support.mypy_records import reads_of, run_mypy
@@ -36,7 +36,7 @@ USED_ELSEWHERE = {
 
 # Names that two or more classes have today. A name leaves the list when its classes are renamed, and none is added.
 REPEATED = """
-    Filter Frame Loop Row Sampling Table _Reader _Walk
+    Filter Frame Loop Row Table _Reader _Walk
 """
 
 
@@ -267,7 +267,7 @@ def test_no_definition_of_the_compiled_library_stands_unused(tool: Callable[[str
     """The same by coqc's index, which a bound variable of the same name does not mislead."""
     tool("coqc")
     outside = {word for text in written_in_coq() for word in WORD.findall(text)}
-    unused = unreferenced_names(library(), [name.removesuffix(".v") for name in library_texts()])
+    unused = unreferenced_names(compiled_library(), [name.removesuffix(".v") for name in library_texts()])
     assert {name for name in unused if name.split(".")[1] not in outside} == FOR_READERS
 
 

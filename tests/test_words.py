@@ -60,7 +60,6 @@ PENDING = """
     stt_codegen/program
     stt_codegen/record
     stt_codegen/report
-    stt_codegen/theorem
     tests
     benchmarks
 """.split()

@@ -1,5 +1,8 @@
-"""`<p>.v` from the texts of the task, the header and the C: the file holds these texts, and Coq reads them. Nothing else is
-believed: P7's bound, the unit of the table, and numbers that bound logarithms and widths are checked."""
+"""Write `<p>.v` with the theorems about a controller's whole C: it holds the texts of task, header and C, and Coq reads them.
+
+Numbers that Coq does not read in these texts are checked by it: P7's bound, the unit of the table, and the hints of hints.py.
+templates/controller.v.j2 places the text, theorem/text.py calls this.
+"""
 
 from __future__ import annotations
 
@@ -16,67 +19,80 @@ from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
 from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import task_keys
-from stt_codegen.theorem.facts import Facts, Sampling
-from stt_codegen.theorem.hints import cells, hints, holds
-from stt_codegen.theorem.reading import FORMATS, facts
-from stt_codegen.theorem.tube_theorem import box, half_spaces, hinted, listed, rational, sampled_claim, search, shape
+from stt_codegen.theorem.facts import Facts, SampledFacts
+from stt_codegen.theorem.hints import input_hints, is_period_proved, smallest_cell_count
+from stt_codegen.theorem.reading import FORMATS, read_facts
+from stt_codegen.theorem.tube_theorem import (
+    coq_box,
+    coq_half_spaces,
+    coq_hints,
+    coq_list,
+    coq_rational,
+    coq_search,
+    coq_shape,
+    describe_sampled_claim,
+)
 
 
-def quoted(text: str) -> str:
-    """A Coq string. Coq knows no escape but the doubled quote, and these texts are ASCII."""
+def coq_string(text: str) -> str:
+    """Return the text as a string of Coq, whose only escape is the doubled quote. The text has to be ASCII."""
     return '"' + text.replace('"', '""') + '"'
 
 
-def the_task(found: Facts) -> str:
-    unsafe = ";\n   ".join(shape(convex) for _, convex in found.unsafe)
+def coq_task(facts: Facts) -> str:
+    """Return the task as a term of the record `task` of proof/Tube.v."""
+    unsafe = ";\n   ".join(coq_shape(convex) for _, convex in facts.unsafe)
     return (
-        f"(Task {found.n} {rational(found.t_c)} {listed(found.state)}\n  {box(found.space)} (* state space *)\n"
-        f"  {box(found.start)} (* initial set *)\n  {box(found.target)} (* target set *)\n  [{unsafe}] (* unsafe sets *)\n"
-        f"  {rational(found.clearance)} {rational(found.min_width)} (* clearance, least width *)\n"
-        f"  {half_spaces(found.walls)} {half_spaces(found.goals)} (* half-spaces that cut state space and target *))%Q"
+        f"(Task {facts.n} {coq_rational(facts.t_c)} {coq_list(facts.state)}\n  {coq_box(facts.space)} (* state space *)\n"
+        f"  {coq_box(facts.start)} (* initial set *)\n  {coq_box(facts.target)} (* target set *)\n"
+        f"  [{unsafe}] (* unsafe sets *)\n"
+        f"  {coq_rational(facts.clearance)} {coq_rational(facts.min_width)} (* clearance, least width *)\n"
+        f"  {coq_half_spaces(facts.walls)} {coq_half_spaces(facts.goals)} (* half-spaces that cut state space and target *))%Q"
     )
 
 
 @cache
-def example(found: Facts) -> Sampling | None:
-    """For tasks that have no period: one millisecond, inputs that act at once, xdot = u + w, |w| <= 1/20, x measured to 2^-20,
-    rounding apart; from the largest share of a grid that is proved, or None."""
-    n, noise = found.n, Fraction(1, 1 << 20)
-    one, none, wind = (Fraction(1),) * n, (Fraction(0),) * n, (Fraction(1, 20),) * n
-    shift = (short(found.error * found.unit + sensed(found, noise)),) * n
-    for k in range(95, 0, -1):  # nearer to an edge logarithms are longer than proof/HeldLaw.v bounds them closely
-        share = Fraction(k, 100)
-        rho = ((1 + share) / (1 - share),) * n
-        lost = Fraction(1, 1 << 14) if found.inline else Fraction(32, 1 << FORMATS[found.scalar][1])
-        numbers = Sampling(
+def find_example_sampling(facts: Facts) -> SampledFacts | None:
+    """Choose numbers of a sampled loop for a task that states none: the largest start share in per cent that is proved, or None.
+
+    Sampled every millisecond; inputs act at once; xdot = u + w with |w| <= 1/20; x is measured to 2^-20 and rounded.
+    """
+    n, noise = facts.n, Fraction(1, 1 << 20)
+    ones, zeros = (Fraction(1),) * n, (Fraction(0),) * n
+    shift = _round_up(facts.edge_error * facts.unit + measurement_error(facts, noise))
+    law_error = Fraction(1, 1 << 14) if facts.has_inline_logarithm else Fraction(32, 1 << FORMATS[facts.scalar].bits)
+    for percent in range(95, 0, -1):  # nearer to an edge, proof/HeldLaw.v does not bound the logarithm closely enough
+        share = Fraction(percent, 100)
+        numbers = SampledFacts(
             period=Fraction(1, 1000),
             latency=Fraction(0),
             share=share,
-            force=wind,
-            g_min=one,
-            g_max=one,
-            g_cross=none,
-            rho=rho,
-            shift=shift,
-            lost=lost,
+            disturbance=(Fraction(1, 20),) * n,
+            g_min=ones,
+            g_max=ones,
+            g_cross=zeros,
+            rho=((1 + share) / (1 - share),) * n,
+            shift=(shift,) * n,
+            law_error=law_error,
             noise=noise,
         )
-        if holds(found, numbers):
+        if is_period_proved(facts, numbers):
             return numbers
     return None
 
 
-def short(value: Fraction) -> Fraction:
-    """A little more than the value, so that fractions in Coq stay short."""
+def _round_up(value: Fraction) -> Fraction:
+    """Round up to a multiple of 2^-32, so that fractions in Coq stay short."""
     return Fraction(math.ceil(value * (1 << 32)), 1 << 32)
 
 
-def sensed(found: Facts, noise: Fraction) -> Fraction:
-    """What a measured state is wrong by at most: the noise, and one rounding."""
-    return noise + max(abs(v) for edge in found.space for v in edge) / (1 << FORMATS[found.scalar][1])
+def measurement_error(facts: Facts, noise: Fraction) -> Fraction:
+    """Bound the error of a measured state: the noise, and one rounding."""
+    return noise + max(abs(v) for edge in facts.space for v in edge) / (1 << FORMATS[facts.scalar].bits)
 
 
-UNREAD = {  # keys of a task that proof/Toml.v does not read, by table: no theorem of the whole C is about such a task
+# Keys of a task that proof/Toml.v does not read, by table: no theorem of the whole C is about a task that has one.
+UNREAD_KEYS = {
     "": "periodic repeat start_delay region mission",
     "state_space": "vertices outline holes",
     "initial_set": "speed",
@@ -91,106 +107,117 @@ UNREAD = {  # keys of a task that proof/Toml.v does not read, by table: no theor
 
 @cache
 def readable_keys() -> dict[str, set[str]]:
-    """Return the keys that proof/Toml.v reads, or knows to leave what is read alone, by table."""
-    keys = {table: set(names) - set(UNREAD.get(table, "").split()) for table, names in task_keys().items()}
-    tables = keys.keys() - set(UNREAD[""].split())
+    """Return by table the keys that proof/Toml.v reads, or passes over because they change no number that it reads."""
+    keys = {table: set(names) - set(UNREAD_KEYS.get(table, "").split()) for table, names in task_keys().items()}
+    tables = keys.keys() - set(UNREAD_KEYS[""].split())
     return {table: names - tables for table, names in keys.items() if table in tables}
 
 
-CALLED, WRITTEN_OUT = "(fun _ => accurate)", "(fun called => False_ind _ (Bool.diff_true_false called))"  # of the logarithm
-SPELT = re.compile(  # keys with quotes or dots are read by no one here; nor other spellings of numbers and texts
+# Proofs, in Coq's terms, of how accurate the logarithm is: of a called one by assumption; an inline one is no call.
+LIBRARY_LOGARITHM_ACCURACY = "(fun _ => accurate)"
+INLINE_LOGARITHM_ACCURACY = "(fun called => False_ind _ (Bool.diff_true_false called))"
+# TOML that proof/Toml.v does not read: quoted or dotted keys, and rare forms of numbers and strings.
+UNREAD_SPELLING = re.compile(
     r"['{}\\\r]|\"\"\"|\d_\d|[=\[,]\s*\+|\b0[xob]|^\s*\[\[?\s*\"|^\s*\"[^\"\n]*\"\s*[.=]|^\s*[\w-]+\s*\.[^\n=]*=", re.M
-)  # in the task, what proof/Toml.v does not read
-BEFORE = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#|[-+&|<>=!]\s*/|([+&|>-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
+)
+# C that proof/Read.v refuses: backslashes, trigraphs, directives inside a line, and operators that could be read as one token.
+UNREAD_IN_C = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#|[-+&|<>=!]\s*/|([+&|>-])\s+\1|[<>=!]\s+=")
 
 
-def _foreign(task: bytes) -> str:
-    """What of the task's text proof/Toml.v does not read; empty where it reads all."""
-    text = re.sub(r'("(?:[^"\\\n]|\\.)*")|#[^\n]*', r"\1", task.decode())
-    if SPELT.search(text):
+def _unread_part(task: bytes) -> str:
+    """Name the first key or spelling of the task's text that proof/Toml.v does not read; empty where it reads all."""
+    without_comments = re.sub(r'("(?:[^"\\\n]|\\.)*")|#[^\n]*', r"\1", task.decode())
+    if UNREAD_SPELLING.search(without_comments):
         return "a task that is spelt so"
-    given = tomllib.loads(task.decode())
-    top = {k: v for k, v in given.items() if not isinstance(v, dict) and k != "unsafe"}
+    document = tomllib.loads(task.decode())
     tables = [
-        ("", top),
-        *((k, v) for k, v in given.items() if isinstance(v, dict)),
-        *(("unsafe", v) for v in given.get("unsafe", [])),
+        ("", {k: v for k, v in document.items() if not isinstance(v, dict) and k != "unsafe"}),
+        *((k, v) for k, v in document.items() if isinstance(v, dict)),
+        *(("unsafe", v) for v in document.get("unsafe", [])),
     ]
-    return next((f"{h}.{k}".lstrip(".") for h, table in tables for k in table if k not in readable_keys().get(h, ())), "")
+    unread_keys = (f"{name}.{k}".lstrip(".") for name, table in tables for k in table if k not in readable_keys().get(name, ()))
+    return next(unread_keys, "")
 
 
-def uncovered(found: Facts, *texts: bytes) -> str:
-    """What of task, header or C Coq does not read, or for a task without a period why its example has no theorem; empty where
-    it does."""
-    task, *code = texts
+def reason_not_covered(facts: Facts, task: bytes, header: bytes, source: bytes) -> str:
+    """Name what of the three texts Coq does not read, or why the example of a task without a period is not proved.
+
+    Empty where the theorems can be about the whole C.
+    """
+    code = (header, source)
     reasons = {
-        found.beyond: bool(found.beyond),
-        "e_max below 0.5, or nearly 1": not all((1 - e) * (1 << 29) >= 1 and e >= Fraction(1, 2) for e in found.e_max),
-        "texts beyond ASCII": not all(text.isascii() for text in texts),
-        "comments with signs that C reads before tokens": any(BEFORE.search(text) for text in code),
-        "a guard": any(f"{found.name}_guard".encode() in text for text in code),
+        facts.uncovered_loop_feature: bool(facts.uncovered_loop_feature),
+        "e_max below 0.5, or nearly 1": not all((1 - e) * (1 << 29) >= 1 and e >= Fraction(1, 2) for e in facts.e_max),
+        "texts beyond ASCII": not all(text.isascii() for text in (task, *code)),
+        "comments with signs that C reads before tokens": any(UNREAD_IN_C.search(text) for text in code),
+        "a guard": any(f"{facts.name}_guard".encode() in text for text in code),
         "ticks of segments that have more parts than a float tells apart": (
-            found.tick is not None and (found.tick * found.segments / found.t_c).denominator > 1 << 24
+            facts.tick_period is not None and (facts.tick_period * facts.segments / facts.t_c).denominator > 1 << 24
         ),
-        "a task whose name begins a variable": any(re.search(rf" {found.name}_\w+ = ".encode(), text) for text in code),
+        "a task whose name begins a variable": any(re.search(rf" {facts.name}_\w+ = ".encode(), text) for text in code),
     }
-    told = next((name for name, given in reasons.items() if given), "") or _foreign(task)
-    if told or found.sampling is not None or example(rounded(found)) is not None:
-        return told
-    return "tubes so narrow" if found.u_max is None else "tubes so narrow, or limits so low"
+    reason = next((reason for reason, applies in reasons.items() if applies), "") or _unread_part(task)
+    if reason or facts.sampling is not None or find_example_sampling(with_rounded_gain(facts)) is not None:
+        return reason
+    return "tubes so narrow" if facts.u_max is None else "tubes so narrow, or limits so low"
 
 
-def rounded(found: Facts) -> Facts:
-    """With gains as Coq reads them in the C: numbers of the format, near the certificate's, whose limits are such numbers."""
-    return replace(found, gain=tuple(checker.rounded(v, FORMATS[found.scalar][1]) for v in found.gain))
+def with_rounded_gain(facts: Facts) -> Facts:
+    """Return the facts with the gain that Coq reads in the C, rounded to the format. The C's limits are rounded already."""
+    return replace(facts, gain=tuple(checker.rounded(v, FORMATS[facts.scalar].bits) for v in facts.gain))
 
 
-def words(found: Facts) -> str:
-    """The closed loop in words, part of the comment that begins the file; decimals are rounded to the side that says less."""
-    numbers, whose = found.sampling, ""
+def describe_closed_loop(facts: Facts) -> str:
+    """Describe the theorem of the closed loop for the comment that begins the file.
+
+    Decimals are rounded towards the weaker statement.
+    """
+    numbers, origin = facts.sampling, ""
     if numbers is None:
-        numbers, whose = _example(found), ", by example: the task has no control.period, and these numbers are not its own"
-    claim = sampled_claim(found, numbers, (sensed(found, numbers.noise),) * found.n)
-    counted = "" if found.tick is None else f", or `{found.name}_control_tick` for its count of ticks"
-    told = (
-        f"The closed loop{whose}. Inputs are held: each is what `{found.name}_control` stores for the time, exact "
-        f"or rounded once{counted}, and the measured state of a sample. The first is taken at 0 and acts from then on; "
+        numbers = _proved_example(facts)
+        origin = ", by example: the task has no control.period, and these numbers are not its own"
+    claim = describe_sampled_claim(facts, numbers, (measurement_error(facts, numbers.noise),) * facts.n)
+    by_ticks = "" if facts.tick_period is None else f", or `{facts.name}_control_tick` for its count of ticks"
+    description = (
+        f"The closed loop{origin}. Inputs are held: each is what `{facts.name}_control` stores for the time, exact "
+        f"or rounded once{by_ticks}, and the measured state of a sample. The first is taken at 0 and acts from then on; "
         f"{claim} Unsafe sets are grown and the state space is shrunk by the body."
     )
-    return textwrap.fill(told, 125, initial_indent="   ", subsequent_indent="   ")
+    return textwrap.fill(description, 125, initial_indent="   ", subsequent_indent="   ")
 
 
-def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
-    """The text of `<p>.v` for Coq. Raises as `reading.facts` does."""
-    found = rounded(facts(task, source, certificate))
-    if reason := uncovered(found, task, header, source):
+def controller_theorem_text(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
+    """Return the text of `<p>.v`. Raises as `read_facts` does, and `BadInput` where Coq does not read one of the texts."""
+    facts = with_rounded_gain(read_facts(task, source, certificate))
+    if reason := reason_not_covered(facts, task, header, source):
         raise BadInput(f"theorem: that of the C's whole text is not yet about {reason}")
     return template("controller.v.j2").render(
-        name=found.name,
-        loop=words(found),
-        limited="" if found.u_max is None else " and u held within u_max",
-        quoted_name=f"{quoted(found.name)}%string",
-        toml=quoted(task.decode("ascii")),
-        header=quoted(header.decode("ascii")),
-        text=quoted(source.decode("ascii")),
-        task=the_task(found),
-        inline=found.inline,
-        accuracy=WRITTEN_OUT if found.inline else CALLED,
-        ticks="" if found.tick is None else rational(found.tick),
-        lost="(1 # 16384)" if found.inline else f"(32 * half_ulp {FORMATS[found.scalar][0]})",
-        unit=rational(found.unit),
-        error=rational(found.error * found.unit),
-        format=FORMATS[found.scalar][0],
-        search=search(found),
-        n=found.n,
-        stated=found.sampling is not None,
-        example="" if found.sampling is not None else "_example",
-        sampled=_sampled(found, found.sampling or _example(found)),
+        name=facts.name,
+        loop_description=describe_closed_loop(facts),
+        limits="" if facts.u_max is None else " and u held within u_max",
+        quoted_name=f"{coq_string(facts.name)}%string",
+        toml=coq_string(task.decode("ascii")),
+        header=coq_string(header.decode("ascii")),
+        text=coq_string(source.decode("ascii")),
+        task=coq_task(facts),
+        has_inline_logarithm=facts.has_inline_logarithm,
+        logarithm_accuracy=INLINE_LOGARITHM_ACCURACY if facts.has_inline_logarithm else LIBRARY_LOGARITHM_ACCURACY,
+        tick_period="" if facts.tick_period is None else coq_rational(facts.tick_period),
+        law_error="(1 # 16384)" if facts.has_inline_logarithm else f"(32 * half_ulp {FORMATS[facts.scalar].coq_name})",
+        unit=coq_rational(facts.unit),
+        edge_error=coq_rational(facts.edge_error * facts.unit),
+        format=FORMATS[facts.scalar].coq_name,
+        search=coq_search(facts),
+        n=facts.n,
+        has_period=facts.sampling is not None,
+        example_suffix="" if facts.sampling is not None else "_example",
+        sampled=_sampled_template_values(facts, facts.sampling or _proved_example(facts)),
     )
 
 
-def _example(found: Facts) -> Sampling:
-    numbers = example(found)
+def _proved_example(facts: Facts) -> SampledFacts:
+    """Return the numbers of `find_example_sampling`. Raises `BadInput` where none are proved."""
+    numbers = find_example_sampling(facts)
     if numbers is None:
         raise BadInput(
             "theorem: the example of a sampled loop, one millisecond, is not shown of so narrow a tube or so low limits"
@@ -198,14 +225,15 @@ def _example(found: Facts) -> Sampling:
     return numbers
 
 
-def _sampled(found: Facts, s: Sampling) -> dict[str, Any]:
-    """The record `conditions` of proof/Sound.v, and what P9 takes besides, of the certificate or chosen."""
-    bounds = hints(found, s)
-    scalars = (s.period, s.latency, s.share, s.noise)
+def _sampled_template_values(facts: Facts, sampling: SampledFacts) -> dict[str, Any]:
+    """Return what the template needs of the sampled loop: `conditions` of proof/Sound.v, and P9's rho, shift and hints."""
+    input_bounds = input_hints(facts, sampling)
+    scalars = (sampling.period, sampling.latency, sampling.share, sampling.noise)
+    by_component = (sampling.disturbance, sampling.g_min, sampling.g_max, sampling.g_cross)
     return {
-        "conditions": " ".join([*map(rational, scalars), *map(listed, (s.force, s.g_min, s.g_max, s.g_cross))]),
-        "rho": listed(s.rho),
-        "shift": listed(map(short, s.shift)),
-        "hints": ";\n  ".join(f"[{row}]" for row in hinted(bounds)),
-        "cells": cells(found, s, bounds),
+        "conditions": " ".join([*map(coq_rational, scalars), *map(coq_list, by_component)]),
+        "rho": coq_list(sampling.rho),
+        "shift": coq_list(map(_round_up, sampling.shift)),
+        "hints": ";\n  ".join(f"[{row}]" for row in coq_hints(input_bounds)),
+        "cells": smallest_cell_count(facts, sampling, input_bounds),
     }

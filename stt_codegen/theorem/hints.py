@@ -32,12 +32,13 @@ from stt_codegen.sampling import (
     weakest_effect,
     worst_with_previous_window,
 )
-from stt_codegen.theorem.facts import Facts, Sampling
+from stt_codegen.theorem.facts import Facts, SampledFacts
 
-BITS, INPUT_MARGIN = 24, 1 + Fraction(1, 1 << 20)
+HINT_BITS = 24  # of a hint after the binary point, so that fractions in Coq stay short
+INPUT_MARGIN = 1 + Fraction(1, 1 << 20)
 CELL_COUNTS = (1, 2, 4, 8, 16, 32, 64, 128)
 LOGARITHM_MARGIN = Fraction(1, 1 << 16)  # proof/HeldLaw.v knows exponentials that closely
-MARGIN = 2.0**-16  # of the conditions that are decided here in floating point, and by Coq exactly
+FLOAT_MARGIN = 2.0**-16  # of the conditions that are decided here in floating point, and by Coq exactly
 Array = npt.NDArray[Any]
 Hint = tuple[Fraction, Fraction]  # bounds on |u| and on the logarithm
 
@@ -45,17 +46,17 @@ Hint = tuple[Fraction, Fraction]  # bounds on |u| and on the logarithm
 def _enclosed_logarithm(value: Any) -> tuple[float, Fraction]:
     """Return a lower and an upper bound on a logarithm that Coq can prove, the upper one of few bits."""
     logarithm = math.log(value)
-    return logarithm - MARGIN, _round_up(Fraction(logarithm) + LOGARITHM_MARGIN)
+    return logarithm - FLOAT_MARGIN, _round_up(Fraction(logarithm) + LOGARITHM_MARGIN)
 
 
 def _round_up(value: Fraction) -> Fraction:
-    return Fraction(math.ceil(value * (1 << BITS)), 1 << BITS)
+    return Fraction(math.ceil(value * (1 << HINT_BITS)), 1 << HINT_BITS)
 
 
 NUMBERS = Fractions(_enclosed_logarithm)
 
 
-def loop_of_facts(facts: Facts, sampling: Sampling) -> SampledLoop:
+def loop_of_facts(facts: Facts, sampling: SampledFacts) -> SampledLoop:
     """Return the sampled loop of the files, in fractions; bounds on |eps| are rho = e^E."""
 
     def array(values: tuple[Fraction, ...]) -> Array:
@@ -63,7 +64,7 @@ def loop_of_facts(facts: Facts, sampling: Sampling) -> SampledLoop:
 
     windows, n = refined_windows(facts.design, NUMBERS), facts.n
     plant = Bounds(
-        disturbance=array(sampling.force),
+        disturbance=array(sampling.disturbance),
         diagonal_min=array(sampling.g_min),
         diagonal_max=array(sampling.g_max),
         cross=array(sampling.g_cross)[:, None] * (1 - np.eye(n, dtype=int)),
@@ -76,14 +77,14 @@ def loop_of_facts(facts: Facts, sampling: Sampling) -> SampledLoop:
         e_max=array(facts.e_max),
         shift=array(sampling.shift),
         u_max=np.full(n, np.inf) if facts.u_max is None else array(facts.u_max),
-        rounding=sampling.lost,
+        rounding=sampling.law_error,
         latency=sampling.latency,
         numbers=NUMBERS,
     )
     return first_order_loop(windows, [plant] * len(windows.narrow), law, start_bound_of_share(sampling.share, n, NUMBERS))
 
 
-def hints(facts: Facts, sampling: Sampling) -> list[list[Hint]]:
+def input_hints(facts: Facts, sampling: SampledFacts) -> list[list[Hint]]:
     """Return the hints by window and component; a window is a segment, or the time from t_c on."""
     loop = loop_of_facts(facts, sampling)
     far, near = measured_distances(loop, np.array(sampling.rho, dtype=object))
@@ -114,10 +115,10 @@ class CoqConditions:
     closing_speed: Array
 
     @classmethod
-    def of(cls, facts: Facts, sampling: Sampling, rows: list[list[Hint]]) -> CoqConditions:
+    def of(cls, facts: Facts, sampling: SampledFacts, hints: list[list[Hint]]) -> CoqConditions:
         """Return the conditions for the inputs that the hints state."""
         loop = loop_of_facts(facts, sampling)
-        inputs = np.array([[u for u, _ in row] for row in rows], dtype=object)
+        inputs = np.array([[u for u, _ in row] for row in hints], dtype=object)
         closing_speed = sharp_closing_speed(loop, inputs).astype(float)
         age = float(sampling.period + sampling.latency)
         return cls(in_doubles(loop), np.array(sampling.rho, dtype=float), age, inputs.astype(float), closing_speed)
@@ -127,9 +128,9 @@ class CoqConditions:
         loop, windows, law = self.loop, self.loop.windows, self.loop.law
         moved = (self.closing_speed + loop.diagonal_max * self.inputs) * self.tau
         broadest = worst_with_previous_window(windows.wide, np.maximum)  # Coq's own, see the head of this file
-        uncertain = 2 * law.shift + law.rounding * (broadest + 2 * law.shift) + MARGIN * windows.narrow
+        uncertain = 2 * law.shift + law.rounding * (broadest + 2 * law.shift) + FLOAT_MARGIN * windows.narrow
         stays = uncertain < windows.narrow * loop.numbers.share_of_eps(self.rho) - 2 * moved
-        outdoes = self.closing_speed * (1 + MARGIN) <= loop.diagonal_min * law.u_max
+        outdoes = self.closing_speed * (1 + FLOAT_MARGIN) <= loop.diagonal_min * law.u_max
         return bool(np.all(stays & outdoes))
 
     def pushes_back(self, cell_count: int) -> bool:
@@ -148,15 +149,15 @@ class CoqConditions:
         return True
 
 
-def cells(facts: Facts, sampling: Sampling, rows: list[list[Hint]]) -> int:
+def smallest_cell_count(facts: Facts, sampling: SampledFacts, hints: list[list[Hint]]) -> int:
     """Return the smallest number of cells in which Coq finds that the law pushes back enough, or the largest allowed."""
-    conditions = CoqConditions.of(facts, sampling, rows)
+    conditions = CoqConditions.of(facts, sampling, hints)
     return next((m for m in CELL_COUNTS if conditions.pushes_back(m)), CELL_COUNTS[-1])
 
 
-def holds(facts: Facts, sampling: Sampling) -> bool:
+def is_period_proved(facts: Facts, sampling: SampledFacts) -> bool:
     """Return whether `period_check` of proof/Period.v accepts these numbers, decided with a margin."""
     if any((1 - e) / 2 * (1 + rho) > 1 for e, rho in zip(facts.e_max, sampling.rho, strict=True)):
         return False
-    conditions = CoqConditions.of(facts, sampling, hints(facts, sampling))
+    conditions = CoqConditions.of(facts, sampling, input_hints(facts, sampling))
     return conditions.turns_in_time() and any(map(conditions.pushes_back, CELL_COUNTS))

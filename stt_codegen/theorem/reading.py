@@ -1,7 +1,7 @@
-"""What a theorem is about, from the three files that are shipped: task, C, certificate. Nothing is taken from how they were made.
+"""Read what a theorem is about from the three shipped files: task, C and certificate. No other data of the design is used.
 
-The C is read by the stand-alone checker's reader. That the frame around the statements read here is what it should be (loops,
-comparisons, indices, the law) is that checker's word: `stt_codegen.theorem.asking` asks it first.
+The C is read by the stand-alone checker's reader. Only statements that compute are read here. Loops, comparisons, indices and the
+law around them are compared by the checker: theorem/coq.py runs it first.
 """
 
 from __future__ import annotations
@@ -9,105 +9,110 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from stt_codegen.certify import checker
 from stt_codegen.design_kinds import CAPABILITIES, kinds_offering
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.properties import Property
-from stt_codegen.theorem.facts import Facts, Operand, Sampling, Statement
-from stt_codegen.theorem.unsafe_sets import Edges, Sets, normals, sets
+from stt_codegen.theorem.facts import Facts, Operand, SampledFacts, Statement
+from stt_codegen.theorem.unsafe_sets import Edges, read_sets, usable_normals
 
-LATE = 4  # rounding errors of K: three are made, see proof/Emitted.v
-FORMATS = {"float": ("Single", 24, 150), "double": ("Double", 53, 1075)}  # for Coq, bits, half the least number is 2^- that
-KERNEL = re.compile(r"const \w+ (\w+) = (\S+) ([-+*]) (\S+)")
-TIME = (  # the statements of `segment`; what is rounded in them are the two constants
+
+class Format(NamedTuple):
+    """A floating-point format: its name in proof/Rounding.v, the bits of its mantissa, and k where half its smallest number is
+    2^-k."""
+
+    coq_name: str
+    bits: int
+    underflow_exponent: int
+
+
+FORMATS = {"float": Format("Single", 24, 150), "double": Format("Double", 53, 1075)}
+SCALE_ROUNDINGS = 4  # roundings of K/t_c that are allowed for; three occur, see proof/Emitted.v
+KERNEL_STATEMENT = re.compile(r"const \w+ (\w+) = (\S+) ([-+*]) (\S+)")
+SEGMENT_STATEMENTS = (  # of `segment`, in order; only its two constants are rounded
     r"const bool positive = 0\.0F? < t",
     r"const \w+ started = positive \? t : 0\.0F?",
-    r"const \w+ scaled = started \* (?P<rate>\S+)",
+    r"const \w+ scaled = started \* (?P<scale>\S+)",
     r"const bool early = scaled < (?P<last>\S+)",
-    r"const \w+ u = early \? scaled : (?P<held>\S+)",
+    r"const \w+ u = early \? scaled : (?P<last_again>\S+)",
     r"const int32_t segment = \( int32_t \) u",
     r"const \w+ base = \( \w+ \) segment",
     r"const \w+ place = u - base",
-    r"const int32_t first = segment \* (?P<row>\d+)",
+    r"const int32_t first = segment \* (?P<row_length>\d+)",
     r"\* row = first",
     r"\* s = place",
 )
 
 
 class Unread(Exception):
-    """A file that does not say what a theorem needs: the theorem is not there."""
+    """A file does not have what a theorem needs, so none can be written."""
 
 
-def covered(task: bytes, certificate: dict[str, Any]) -> checker.Task:
-    """The task's numbers. Raises `BadInput`, with what it is that no theorem is written about yet."""
-    offered = CAPABILITIES.get(certificate.get("design", ""))
-    if offered is None or not offered.has_exact_claims:
+def read_task(task: bytes, certificate: dict[str, Any]) -> checker.Task:
+    """Read the task's numbers. Raises `BadInput` that names what no theorem is written about yet."""
+    capabilities = CAPABILITIES.get(certificate.get("design", ""))
+    if capabilities is None or not capabilities.has_exact_claims:
         kinds = kinds_offering("has_exact_claims")
         raise BadInput(f"theorem: a {certificate.get('design')} tube has none; theorems are about {kinds} ones")
     if certificate.get("scalar") not in ("float", "double"):
         raise BadInput("theorem: not yet about controllers in integers; use --scalar float or double")
     try:
-        read = checker.Task(task)
+        numbers = checker.Task(task)
     except checker.Unusable as problem:
         raise BadInput(f"theorem: {problem}") from problem
-    moving = read.clock is not None or any(course is not None for course in read.courses)
-    for there, what in (
-        (read.mission is not None, "missions"),
-        (moving, "sets that move, or are unsafe only for a while"),
-        (bool(read.turns.periods), "axes that close (periodic): Coq does not read turns yet"),
+    has_changing_sets = numbers.clock is not None or any(course is not None for course in numbers.courses)
+    for has_feature, feature in (
+        (numbers.mission is not None, "missions"),
+        (has_changing_sets, "sets that move, or are unsafe only for a while"),
+        (bool(numbers.turns.periods), "axes that close (periodic): Coq does not read turns yet"),
     ):
-        if there:
-            raise BadInput(f"theorem: not yet about {what}")
-    return read
+        if has_feature:
+            raise BadInput(f"theorem: not yet about {feature}")
+    return numbers
 
 
-def beyond(task: checker.Task) -> str:
-    """What the theorems about the loop are not yet about; that about the emitted tube is, for it goes by no law."""
-    kinds = {
+def uncovered_loop_feature(task: checker.Task) -> str:
+    """Return what of the task no theorem about the loop covers yet; empty where there is none.
+
+    The theorem about the emitted tube covers such a task: it does not mention the law.
+    """
+    features = {
         "plant.order 2": task.order != 1,
         'saturate = "scale"': task.scales,
         "negative gains": task.gain is not None and min(task.gain) < 0,
     }
-    return next((what for what, there in kinds.items() if there), "")
+    return next((feature for feature, has_feature in features.items() if has_feature), "")
 
 
-def facts(task: bytes, source: bytes, certificate: bytes) -> Facts:
-    """Read the three files. Raises `BadInput` for what no theorem is written about, `Unread` where the C or the certificate is
-    not what it should be."""
+def read_facts(task: bytes, source: bytes, certificate: bytes) -> Facts:
+    """Read the three files. Raises `BadInput` for a task without theorems, `Unread` where C or certificate do not fit it."""
     try:
         document = json.loads(certificate)
-        read = covered(task, document if isinstance(document, dict) else {})
-        return _facts(read, sets(task, read), source, document)
+        numbers = read_task(task, document if isinstance(document, dict) else {})
+        return _facts(numbers, task, source, document)
     except (checker.Failed, checker.Unusable) as problem:
         raise Unread(str(problem)) from problem
     except (KeyError, TypeError, ValueError, ArithmeticError, AttributeError, IndexError, RecursionError) as problem:
         raise Unread(f"a file is not what it should be ({type(problem).__name__}: {problem})") from problem
 
 
-def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, Any]) -> Facts:
+def _facts(task: checker.Task, task_file: bytes, source: bytes, document: dict[str, Any]) -> Facts:
+    """Compare the numbers of the three files, and collect them. document: the certificate."""
+    sets = read_sets(task_file, task)
     c = checker.Source(source, task, document["scalar"] == "float")
     tube = checker.Tube(c, task, document["grid"]["unit_bits"])
-    rate, last = spline_time(c, task.n)
-    control, error = document["control"], max(*document["edge_error"], rounding_bound(c, tube))
+    time_scale, last_spline_time = read_spline_time(c, task.n)
+    edge_error = max(*document["edge_error"], rounding_bound(c, tube))
+    gain, u_max = _gain_and_limits(task, c, document["control"])
+    if type(edge_error) is not int:
+        raise Unread("the certificate has an edge error that is no whole number")
     hints = {claim["set"]: claim.get("hints") for claim in document["claims"] if claim["property"] == Property.AVOID.code}
-    gain = checker.fractions(control["gain"], task.n)
-    u_max = None if control["u_max"] is None else checker.fractions(control["u_max"], task.n)
-    looped = not beyond(task)
-    if task.gain not in (None, gain) or (looped and min(gain) <= 0) or type(error) is not int:
-        raise Unread("the certificate's gain is not the task's, or not positive, or an error is no whole number")
-    for name, values in (("gain", gain), ("u_max", u_max)):
-        if (
-            looped
-            and values is not None
-            and c.tables.get(name, values) not in (values, [checker.rounded(v, c.bits) for v in values])
-        ):
-            raise Unread(f"the C has another {name} than the certificate")
-    if (u_max is None) != (task.u_max is None) or any(a > b for a, b in zip(u_max or [], task.u_max or [], strict=True)):
-        raise Unread("the certificate's u_max is not the task's")
+    names, has_sampled_loop = [name for name, _ in task.unsafe], task.period is not None and not uncovered_loop_feature(task)
     return Facts(
         name=task.name,
         scalar=document["scalar"],
@@ -116,120 +121,162 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
         space=_edges(task.space),
         start=_edges(task.start),
         target=_edges(task.target),
-        unsafe=tuple((name, shape) for (name, _), shape in zip(task.unsafe, told.unsafe, strict=True)),
-        normals=tuple(normals(shape, hints.get(name)) for (name, _), shape in zip(task.unsafe, told.unsafe, strict=True)),
-        walls=told.walls,
-        goals=told.goals,
+        unsafe=tuple(zip(names, sets.unsafe, strict=True)),
+        normals=tuple(usable_normals(shape, hints.get(name)) for name, shape in zip(names, sets.unsafe, strict=True)),
+        walls=sets.walls,
+        goals=sets.goals,
         clearance=task.clearance,
         min_width=task.min_width,
-        error=error,
-        rate=rate,
-        last=last,
-        code=kernels(c),
+        edge_error=edge_error,
+        time_scale=time_scale,
+        last_spline_time=last_spline_time,
+        code=read_kernels(c),
         gain=tuple(gain),
         e_max=tuple(task.e_max),
         u_max=None if u_max is None else tuple(u_max),
-        tick=task.tick,
-        inline=task.inline,
-        beyond=beyond(task),
-        sampling=None if task.period is None or not looped else _sampling(task, c, document["sampled"], error * tube.unit),
+        tick_period=task.tick,
+        has_inline_logarithm=task.inline,
+        uncovered_loop_feature=uncovered_loop_feature(task),
+        sampling=_sampled_facts(task, c, document["sampled"], edge_error * tube.unit) if has_sampled_loop else None,
     )
 
 
-def lateness(segments: int, t_c: Fraction, scalar: str) -> Fraction:
-    """What the emitted spline time may be wrong by, in segments."""
-    _, bits, least = FORMATS[scalar]
-    eps = Fraction(1, 1 << bits)
-    return segments * LATE * eps * (1 + eps) + Fraction(1, 1 << least) * (1 + segments / t_c)
+def _gain_and_limits(
+    task: checker.Task, c: checker.Source, control: dict[str, Any]
+) -> tuple[list[Fraction], list[Fraction] | None]:
+    """Return gain and u_max of the certificate's table `control`. Raises `Unread` where task or C have other ones."""
+    gain = checker.fractions(control["gain"], task.n)
+    u_max = None if control["u_max"] is None else checker.fractions(control["u_max"], task.n)
+    has_law = not uncovered_loop_feature(task)
+    if task.gain not in (None, gain) or (has_law and min(gain) <= 0):
+        raise Unread("the certificate's gain is not the task's, or not positive")
+    for name, values in (("gain", gain), ("u_max", u_max)):
+        if has_law and values is not None and not _has_values(c, name, values):
+            raise Unread(f"the C has another {name} than the certificate")
+    if (u_max is None) != (task.u_max is None) or any(a > b for a, b in zip(u_max or [], task.u_max or [], strict=True)):
+        raise Unread("the certificate's u_max is not the task's")
+    return gain, u_max
+
+
+def _has_values(c: checker.Source, name: str, values: Sequence[Fraction]) -> bool:
+    """Whether the C's table `name` has these values, exact or rounded; also where it has no such table."""
+    return c.tables.get(name, values) in (values, [checker.rounded(v, c.bits) for v in values])
+
+
+def spline_time_error(segments: int, t_c: Fraction, scalar: str) -> Fraction:
+    """Bound the error of the emitted spline time, in segments."""
+    half_ulp, smallest = Fraction(1, 1 << FORMATS[scalar].bits), Fraction(1, 1 << FORMATS[scalar].underflow_exponent)
+    return segments * SCALE_ROUNDINGS * half_ulp * (1 + half_ulp) + smallest * (1 + segments / t_c)
 
 
 def rounding_bound(source: checker.Source, tube: checker.Tube) -> int:
-    """P7's bound in units as proof/EmittedTube.v has it: for each dimension the largest loss in `basis` and `blend` of all."""
-    late = lateness(tube.segments, tube.t_c, source.scalar)
-    moved = [late * tube.fastest(i, 1) for i in range(tube.n)]
-    lost = [v / tube.unit - m for v, m in zip(checker.arithmetic(source, tube), moved, strict=True)]
-    return math.ceil(max(lost) + max(moved) + Fraction(1, 1 << 30))
+    """Return P7's bound in units as proof/EmittedTube.v has it.
+
+    It is the largest error of `basis` and `blend` in any dimension, plus the largest movement of an edge by the time's error.
+    """
+    time_error = spline_time_error(tube.segments, tube.t_c, source.scalar)
+    by_time = [time_error * tube.fastest(i, 1) for i in range(tube.n)]
+    by_kernels = [v / tube.unit - moved for v, moved in zip(checker.arithmetic(source, tube), by_time, strict=True)]
+    return math.ceil(max(by_kernels) + max(by_time) + Fraction(1, 1 << 30))
 
 
 def _edges(box: checker.Box) -> Edges:
     return tuple(box[0]), tuple(box[1])
 
 
-def _sampling(task: checker.Task, source: checker.Source, claim: dict[str, Any], error: Fraction) -> Sampling:
+def _sampled_facts(task: checker.Task, source: checker.Source, claim: dict[str, Any], edge_error: Fraction) -> SampledFacts:
+    """Return the numbers of the sampled loop. claim: the certificate's table `sampled`; edge_error: no longer in units."""
     assert task.period is not None
-    force, g_min, g_max, cross = zip(*(checker.bounds(task, i) for i in range(task.n)), strict=True)
-    rho, shift = (tuple(checker.fractions(claim[key], task.n)) for key in ("rho", "shift"))
-    lost = Fraction(checker.LAW["inline" if task.inline else "libm"][source.bits])
-    noise, eps = (task.plant["noise"] or [Fraction(0)])[0], Fraction(1, 1 << source.bits)
-    shift = tuple(max(v, error + noise + eps * task.farthest) for v in shift)  # error: of whole units, unlike the shift
-    return Sampling(
+    disturbance, g_min, g_max, g_cross = zip(*(checker.bounds(task, i) for i in range(task.n)), strict=True)
+    rho, certified_shift = (tuple(checker.fractions(claim[key], task.n)) for key in ("rho", "shift"))
+    noise, half_ulp = (task.plant["noise"] or [Fraction(0)])[0], Fraction(1, 1 << source.bits)
+    # The certificate's shift has edge errors that are not rounded up to whole units, so it may be smaller.
+    needed_shift = edge_error + noise + half_ulp * task.farthest
+    return SampledFacts(
         period=task.period,
         latency=task.latency,
         share=task.share,
-        force=force,
+        disturbance=disturbance,
         g_min=g_min,
         g_max=g_max,
-        g_cross=cross,
+        g_cross=g_cross,
         rho=rho,
-        shift=shift,
-        lost=lost,
+        shift=tuple(max(v, needed_shift) for v in certified_shift),
+        law_error=Fraction(checker.LAW["inline" if task.inline else "libm"][source.bits]),
         noise=noise,
     )
 
 
-def _body(source: checker.Source, name: str) -> checker.Tree:
+def _function_body(source: checker.Source, name: str) -> checker.Tree:
     if name not in source.functions:
         raise Unread(f"the C has no {name}")
     return source.functions[name].body
 
 
-def spline_time(source: checker.Source, n: int) -> tuple[Fraction, Fraction]:
-    """K/t_c and the last spline time, from the statements of `segment`, which are these."""
-    body, found = _body(source, "segment"), {}
-    matches = [re.fullmatch(pattern, str(said)) for pattern, said in zip(TIME, body, strict=False)]
-    if len(body) != len(TIME) or None in matches:
+def read_spline_time(source: checker.Source, n: int) -> tuple[Fraction, Fraction]:
+    """Return K/t_c and the last spline time, the two constants of `segment`, whose statements have to be `SEGMENT_STATEMENTS`."""
+    body, constants = _function_body(source, "segment"), {}
+    matches = [re.fullmatch(pattern, str(line)) for pattern, line in zip(SEGMENT_STATEMENTS, body, strict=False)]
+    if len(body) != len(SEGMENT_STATEMENTS) or None in matches:
         raise Unread("the statements of `segment` are not those of a spline's time")
     for match in matches:
-        found.update(match.groupdict() if match is not None else {})
-    if found["last"] != found["held"] or found["row"] != str(2 * n):
+        constants.update(match.groupdict() if match is not None else {})
+    if constants["last"] != constants["last_again"] or constants["row_length"] != str(2 * n):
         raise Unread("`segment` holds time at another number than it compares it with, or has another length of rows")
-    return source.number(found["rate"])[1], source.number(found["last"])[1]
+    return source.number(constants["scale"])[1], source.number(constants["last"])[1]
 
 
-def kernels(source: checker.Source) -> tuple[Statement, ...]:
-    """`basis` and then `blend` as one list: every statement has a number, after s and the four coefficients. What is stored and
-    returned is checked by name."""
-    numbers = {name: k for k, name in enumerate(("s", "q0", "q1", "q2", "q3"))}
-    code: list[Statement] = []
+class KernelReader:
+    """Turns the statements of straight-line C functions into one list of numbered `Statement`s.
 
-    def operand(text: str, known: dict[str, int]) -> Operand:
-        if text in known:
-            return "V", known[text]
-        value = source.number(text)[1]
+    Values 0 to 4 are s and the four coefficients; the k-th statement, from 1, is value 4 + k.
+    """
+
+    def __init__(self, source: checker.Source) -> None:
+        self.source = source
+        self.code: list[Statement] = []
+
+    @property
+    def last_value(self) -> int:
+        """The number of the value that the last statement computes."""
+        return 4 + len(self.code)
+
+    def read(self, name: str, parameters: dict[str, int]) -> dict[str, int]:
+        """Append the statements of the function `name`; return the numbers of what it stores and returns, by `* w0 =`, `return`.
+
+        parameters: numbers of the values that the function takes, by name.
+        """
+        numbers, results = dict(parameters), dict[str, int]()
+        for line in _function_body(self.source, name):
+            match = KERNEL_STATEMENT.fullmatch(str(line))
+            if match is None:
+                destination, _, value = str(line).rpartition(" ")
+                results[destination] = numbers[value]
+                continue
+            self.code.append((match[3], self._operand(match[2], numbers), self._operand(match[4], numbers)))
+            numbers[match[1]] = self.last_value
+        return results
+
+    def _operand(self, text: str, numbers: dict[str, int]) -> Operand:
+        if text in numbers:
+            return "V", numbers[text]
+        value = self.source.number(text)[1]
         if value.denominator != 1:
             raise Unread(f"`basis` has the constant {text}, which is not whole")
         return "C", int(value)
 
-    def run(name: str, known: dict[str, int]) -> dict[str, int]:
-        results: dict[str, int] = {}
-        for said in _body(source, name):
-            match = KERNEL.fullmatch(str(said))
-            if match is None:
-                target, _, value = str(said).rpartition(" ")
-                results[target] = known[value]
-                continue
-            code.append((match[3], operand(match[2], known), operand(match[4], known)))
-            known[match[1]] = 4 + len(code)
-        return results
 
+def read_kernels(source: checker.Source) -> tuple[Statement, ...]:
+    """Return the statements of `basis` and then `blend` as one list. Raises `Unread` for other parameters or results."""
+    coefficients = {f"q{j}": 1 + j for j in range(4)}
     for name, parameters in (("basis", ["s", "w0", "w1", "w2", "w3"]), ("blend", [f"{a}{j}" for a in "wq" for j in range(4)])):
         if name in source.functions and [label for _, label, _ in source.functions[name].params] != parameters:
             raise Unread(f"{name} of the C has other parameters than it should")
-    stored = run("basis", {"s": numbers["s"]})
+    reader = KernelReader(source)
+    stored = reader.read("basis", {"s": 0})
     if list(stored) != [f"* w{j} =" for j in range(4)]:
         raise Unread("`basis` stores other results than it should")
     weights = {f"w{j}": stored[f"* w{j} ="] for j in range(4)}
-    returned = run("blend", {k: v for k, v in numbers.items() if k != "s"} | weights)
-    if returned != {"return": 4 + len(code)}:
+    if reader.read("blend", coefficients | weights) != {"return": reader.last_value}:
         raise Unread("`blend` returns another value than its last")
-    return tuple(code)
+    return tuple(reader.code)

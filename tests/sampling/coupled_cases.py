@@ -23,7 +23,7 @@ from stt_codegen.sampling.order_two import difference_error
 from stt_codegen.task import Task
 from stt_codegen.task.schema import ComponentBounds
 from stt_codegen.theorem import hints
-from stt_codegen.theorem.facts import Sampling
+from stt_codegen.theorem.facts import SampledFacts
 
 SEGMENTS = 4
 BITS = 12  # of the tables
@@ -77,13 +77,13 @@ def windows_by_hand(design: RefinedDesign, i: int) -> list[WindowByHand]:
 # ------------------------------------------------------------------------------------------------ what Coq decides
 
 
-def inputs_by_hand(facts: Any, s: Sampling) -> list[list[float]]:
+def inputs_by_hand(facts: Any, s: SampledFacts) -> list[list[float]]:
     """Return U by window and component, as `most_check` of proof/Period.v has it."""
     columns = []
     for i, rho in enumerate(map(float, s.rho)):
         column = []
         for window in windows_by_hand(facts.design, i):
-            d, shift, lost = float(window.narrowest), float(s.shift[i]), float(s.lost)
+            d, shift, lost = float(window.narrowest), float(s.shift[i]), float(s.law_error)
             near, far = d / (1 + rho) - shift, d * rho / (1 + rho) + shift
             u = float(facts.gain[i]) * (1 / near + 1 / far) * (math.log(far / near) + lost) * (1 + lost)
             column.append(u if facts.u_max is None else min(u, float(facts.u_max[i])))
@@ -91,14 +91,14 @@ def inputs_by_hand(facts: Any, s: Sampling) -> list[list[float]]:
     return [list(row) for row in zip(*columns, strict=True)]
 
 
-def coq_accepts(facts: Any, s: Sampling, cell_count: int) -> bool:
+def coq_accepts(facts: Any, s: SampledFacts, cell_count: int) -> bool:
     """Whether `window_check` of proof/Period.v accepts every window, in floating point."""
-    tau, lost, inputs = float(s.period + s.latency), float(s.lost), inputs_by_hand(facts, s)
+    tau, lost, inputs = float(s.period + s.latency), float(s.law_error), inputs_by_hand(facts, s)
     for i, rho in enumerate(map(float, s.rho)):
         g_min, g_max, shift, gain = (float(v[i]) for v in (s.g_min, s.g_max, s.shift, facts.gain))
         for window, u in zip(windows_by_hand(facts.design, i), inputs, strict=True):
             others = float(s.g_cross[i]) * sum(v for j, v in enumerate(u) if j != i)
-            push = float(s.force[i] + window.speed) + others
+            push = float(s.disturbance[i] + window.speed) + others
             half = float(window.narrow) * (rho - 1) / (rho + 1) - 2 * (push + g_max * u[i]) * tau
             if 2 * shift + lost * (float(window.broadest) + 2 * shift) >= half:
                 return False
@@ -114,12 +114,12 @@ def coq_accepts(facts: Any, s: Sampling, cell_count: int) -> bool:
     return True
 
 
-def with_period(s: Sampling, period: Fraction) -> Sampling:
-    return Sampling(**{**vars(s), "period": period})
+def with_period(s: SampledFacts, period: Fraction) -> SampledFacts:
+    return SampledFacts(**{**vars(s), "period": period})
 
 
 @functools.cache
-def coq_cases() -> list[tuple[Any, Sampling]]:
+def coq_cases() -> list[tuple[Any, SampledFacts]]:
     """Return random loops, each with nearly the longest period that Coq accepts in the finest cells; loops with none are left out."""
     draw, cases = random.Random(7), []
     for is_limited, is_late in list(itertools.product((False, True), repeat=2)) * 12:
@@ -133,17 +133,17 @@ def coq_cases() -> list[tuple[Any, Sampling]]:
             e_max=(Fraction(9, 10),) * 2,
             u_max=tuple(drawn(draw, 0.3, 0.8) for _ in range(2)) if is_limited else None,
         )
-        s = Sampling(
+        s = SampledFacts(
             period=Fraction(1, 1000),
             latency=drawn(draw, 0.005, 0.02) if is_late else Fraction(0),
             share=Fraction(share) - Fraction(1, 10),
-            force=tuple(drawn(draw, 0.02, 0.05) for _ in range(2)),
+            disturbance=tuple(drawn(draw, 0.02, 0.05) for _ in range(2)),
             g_min=tuple(drawn(draw, 0.7, 0.9) for _ in range(2)),
             g_max=tuple(drawn(draw, 1, 1.3) for _ in range(2)),
             g_cross=tuple(drawn(draw, 0.02, 0.06) for _ in range(2)),
             rho=rho,
             shift=tuple(drawn(draw, 0.001, 0.003) for _ in range(2)),
-            lost=Fraction(1, 256),
+            law_error=Fraction(1, 256),
             noise=Fraction(0),
         )
         if coq_accepts(facts, s, hints.CELL_COUNTS[-1]):
@@ -151,7 +151,7 @@ def coq_cases() -> list[tuple[Any, Sampling]]:
     return cases
 
 
-def longest_by_hand(facts: Any, s: Sampling) -> Fraction:
+def longest_by_hand(facts: Any, s: SampledFacts) -> Fraction:
     low, high = s.period, Fraction(4)
     for _ in range(20):
         middle = (low + high) / 2
@@ -163,17 +163,17 @@ def with_limits(facts: Any, factor: Fraction) -> Any:
     return SimpleNamespace(**{**vars(facts), "u_max": tuple(factor * v for v in facts.u_max)})
 
 
-def limits_agree(facts: Any, s: Sampling) -> bool:
+def limits_agree(facts: Any, s: SampledFacts) -> bool:
     """Whether u_max is accepted down to where it no longer outdoes what pushes."""
     low, high = Fraction(0), Fraction(1)
     for _ in range(20):
         middle = (low + high) / 2
         low, high = (low, middle) if coq_accepts(with_limits(facts, middle), s, hints.CELL_COUNTS[-1]) else (middle, high)
     smaller, larger = (with_limits(facts, high * (1000 + k) / 1000) for k in (-2, 2))
-    return hints.holds(larger, s) and not hints.holds(smaller, s)
+    return hints.is_period_proved(larger, s) and not hints.is_period_proved(smaller, s)
 
 
-def cells_by_hand(facts: Any, s: Sampling) -> int | None:
+def cells_by_hand(facts: Any, s: SampledFacts) -> int | None:
     """Return the smallest number of cells that Coq needs; None where a period shorter or longer by a thousandth needs another."""
     counts = {
         next((m for m in hints.CELL_COUNTS if coq_accepts(facts, with_period(s, s.period * (1000 + k) / 1000), m)), 0)
@@ -186,13 +186,13 @@ def the_hints_agree() -> bool:
     """Bounds on |u| are a little above those by hand; what Coq accepts is decided on both sides of its longest period."""
     compared = 0
     for facts, longest in coq_cases():
-        rows = hints.hints(facts, longest)
+        rows = hints.input_hints(facts, longest)
         pairs = [(float(u), v) for row, values in zip(rows, inputs_by_hand(facts, longest), strict=True)
                  for (u, _), v in zip(row, values, strict=True)]  # fmt: skip
         if any(not v * (1 - 1e-9) <= u <= v * (1 + 1e-3) for u, v in pairs):
             return False
         shorter, longer = (with_period(longest, longest.period * (1000 + k) / 1000) for k in (-2, 2))
-        if not hints.holds(facts, shorter) or hints.holds(facts, longer):
+        if not hints.is_period_proved(facts, shorter) or hints.is_period_proved(facts, longer):
             return False
         if facts.u_max is not None and not limits_agree(facts, with_period(longest, longest.period / 2)):
             return False
@@ -200,7 +200,7 @@ def the_hints_agree() -> bool:
             s = with_period(longest, longest.period * part)
             if count := cells_by_hand(facts, s):
                 compared += 1
-                if hints.cells(facts, s, hints.hints(facts, s)) != count:
+                if hints.smallest_cell_count(facts, s, hints.input_hints(facts, s)) != count:
                     return False
     return compared > 10
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from stt_codegen.errors import BadInput
-from stt_codegen.theorem import asking
-from stt_codegen.theorem.controller_theorem import deep, quoted
+from stt_codegen.theorem import coq
+from stt_codegen.theorem.controller_theorem import controller_theorem_text, coq_string
 from stt_codegen.theorem.text import theorem_text
 from tests.certify.test_checker import COMPILED, HEADERS, MEANINGS, ROUNDED, placed
 from tests.support.command_line import run_command
@@ -216,7 +216,7 @@ MUTANTS_DOUBLE = (
 
 def deep_of(task: Path, folder: Path) -> str:
     parts = (folder / f"{task.stem}{end}" for end in (".h", ".c", ".certificate.json"))
-    return deep(task.read_bytes(), *(path.read_bytes() for path in parts))
+    return controller_theorem_text(task.read_bytes(), *(path.read_bytes() for path in parts))
 
 
 def made(task: str, folder: Path) -> str:
@@ -237,8 +237,8 @@ def test_shipped_controllers_have_it(name: str, scalar: str) -> None:
     told = text(name, scalar)
     about = told.partition("*)")[0]
     assert ("library" in about) == (name not in ("omni_board", "crawler"))  # its logarithm is assumed where it is called
-    answer = asking.ask_coq(told.encode(), name)
-    assert answer.holds, answer.what
+    answer = coq.check_with_coq(told.encode(), name)
+    assert answer.holds, answer.message
 
 
 @pytest.mark.parametrize(
@@ -260,20 +260,20 @@ def test_parts_have_it_one_without_the_other(name: str, old: str, new: str, tmp_
     assert task.read_text() != before
     done = run_command("generate", str(task), "--out", str(tmp_path))
     assert done.returncode == 0, done.stderr
-    answer = asking.ask_coq(deep_of(task, tmp_path).encode(), name)
-    assert answer.holds, answer.what
+    answer = coq.check_with_coq(deep_of(task, tmp_path).encode(), name)
+    assert answer.holds, answer.message
 
 
 def test_sets_of_every_kind_have_it(tmp_path: Path) -> None:
     """A capsule, a cylinder, half-spaces and a box in some dimensions, a polytope; a state space and a target that are cut; a body."""
     whole = made(SHAPES, tmp_path)
-    answer = asking.ask_coq(whole.encode(), "hall")
-    assert answer.holds, answer.what
-    assert set(answer.axioms) == asking.AXIOMS
+    answer = coq.check_with_coq(whole.encode(), "hall")
+    assert answer.holds, answer.message
+    assert set(answer.axioms) == coq.ACCEPTED_AXIOMS
     for old, new, lemma in HALL:
         assert old in whole
-        answer = asking.ask_coq(whole.replace(old, new).encode(), "hall")
-        assert answer.what.startswith(lemma), answer.what
+        answer = coq.check_with_coq(whole.replace(old, new).encode(), "hall")
+        assert answer.message.startswith(lemma), answer.message
 
 
 def test_a_ball_as_target_has_the_theorem_about_the_tube(tmp_path: Path) -> None:
@@ -281,9 +281,9 @@ def test_a_ball_as_target_has_the_theorem_about_the_tube(tmp_path: Path) -> None
     with pytest.raises(BadInput, match="target_set.centre"):
         made(ball, tmp_path)
     data = [(tmp_path / f"hall{end}").read_bytes() for end in (".toml", ".h", ".c", ".certificate.json")]
-    answer = asking.ask_coq(theorem_text(*data), "hall")
-    assert answer.holds, answer.what
-    assert "emitted_tube" in answer.what
+    answer = coq.check_with_coq(theorem_text(*data), "hall")
+    assert answer.holds, answer.message
+    assert "emitted_tube" in answer.message
 
 
 @pytest.mark.parametrize(
@@ -293,9 +293,9 @@ def test_a_ball_as_target_has_the_theorem_about_the_tube(tmp_path: Path) -> None
 def test_changed_texts_have_none(name: str, scalar: str, old: str, new: str, lemma: str) -> None:
     whole = text(name, scalar)
     assert old in whole
-    answer = asking.ask_coq(whole.replace(old, new, 1).encode(), name)
+    answer = coq.check_with_coq(whole.replace(old, new, 1).encode(), name)
     assert not answer.holds
-    assert answer.what.startswith(lemma), answer.what
+    assert answer.message.startswith(lemma), answer.message
 
 
 TICKS = {"9000": "8999", "count * 4": "count * 3", "36000": "35968", "1125": "1124"}
@@ -311,9 +311,9 @@ def test_the_place_of_a_tick_is_that_of_the_task() -> None:
         for old in parts:
             assert old in changed
             changed = changed.replace(old, TICKS[old])
-        answer = asking.ask_coq(whole.replace(kernel[0], changed).encode(), "omni_board")
+        answer = coq.check_with_coq(whole.replace(kernel[0], changed).encode(), "omni_board")
         assert not answer.holds
-        assert answer.what.startswith("ticks_checked"), answer.what
+        assert answer.message.startswith("ticks_checked"), answer.message
 
 
 def test_ticks_have_theorems_of_their_own() -> None:
@@ -344,5 +344,5 @@ def test_the_checkers_attacks_have_none(name: str, end: str, old: str, new: str)
     before = (folder / f"{name}{end}").read_text()
     after = before.replace(old, new)
     assert after != before
-    answer = asking.ask_coq(text(name, "float").replace(quoted(before), quoted(after)).encode(), name)
-    assert answer.holds == (about(before, name) == about(after, name)), answer.what
+    answer = coq.check_with_coq(text(name, "float").replace(coq_string(before), coq_string(after)).encode(), name)
+    assert answer.holds == (about(before, name) == about(after, name)), answer.message

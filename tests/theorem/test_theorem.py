@@ -18,13 +18,13 @@ import pytest
 
 from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
-from stt_codegen.theorem import asking
-from stt_codegen.theorem.controller_theorem import quoted
+from stt_codegen.theorem import coq
+from stt_codegen.theorem.controller_theorem import coq_string
 from stt_codegen.theorem.facts import Facts
-from stt_codegen.theorem.reading import Unread, facts
+from stt_codegen.theorem.reading import Unread, read_facts
 from stt_codegen.theorem.text import theorem_text
-from stt_codegen.theorem.tube_theorem import listed, rational, written
-from stt_codegen.theorem.unsafe_sets import multipliers, sets, solid
+from stt_codegen.theorem.tube_theorem import coq_list, coq_rational, tube_theorem_text
+from stt_codegen.theorem.unsafe_sets import half_space_multipliers, is_box, read_sets
 from tests.support.command_line import run_command
 from tests.support.controllers import ROOT
 from tests.theorem.test_controller_theorem import SHAPES
@@ -43,7 +43,7 @@ def files_of(name: str, scalar: str) -> tuple[bytes, bytes, bytes]:
 
 
 def read(name: str, scalar: str) -> Facts:
-    return facts(*files_of(name, scalar))
+    return read_facts(*files_of(name, scalar))
 
 
 def shipped() -> list[tuple[str, str]]:
@@ -63,7 +63,7 @@ def shipped() -> list[tuple[str, str]]:
 
 
 def test_the_library_takes_nothing_for_granted() -> None:
-    listed = asking.names()
+    listed = coq.library_modules()
     assert sorted(p.stem for p in (ROOT / "proof").glob("*.v")) == sorted(listed)
     for name in listed:
         text = re.sub(r"\(\*.*?\*\)", "", (ROOT / "proof" / f"{name}.v").read_text(), flags=re.S)
@@ -148,17 +148,19 @@ def test_generate_says_where_there_is_no_theorem(tmp_path: Path) -> None:
 def test_sets_reach_as_far_as_those_of_the_checker() -> None:
     """Two readings of the task's text; the bound that the multipliers of half-spaces give is the reach itself."""
     task = checker.Task(SHAPES.encode())
-    found = sets(SHAPES.encode(), task)
-    assert [bool(s.points) + 2 * bool(s.faces) + 4 * solid(s) for s in found.unsafe] == [1, 1, 2, 4, 1]
+    found = read_sets(SHAPES.encode(), task)
+    assert [bool(s.points) + 2 * bool(s.half_spaces) + 4 * is_box(s) for s in found.unsafe] == [1, 1, 2, 4, 1]
     for (_, (points, half, own, radius)), shape in zip(task.unsafe, found.unsafe, strict=True):
-        assert (shape.radius, *(shape.own if radius else ())) == (radius, *(own if radius else ()))
+        assert (shape.radius, *(shape.axes if radius else ())) == (radius, *(own if radius else ()))
         for normal in itertools.product((-3, -1, 0, 2), repeat=3):
             theirs = max(map(partial(dot, normal), points)) + dot(map(abs, normal), half)
             ours = dot(normal, [shape.extent[c > 0][i] for i, c in enumerate(normal)])
-            if shape.faces:
-                shares = multipliers(shape, normal)
-                rest = [c - dot(shares, [face[i] for face, _ in shape.faces]) for i, c in enumerate(normal)]
-                ours += dot(shares, [o for _, o in shape.faces]) + dot(rest, [shape.room[c > 0][i] for i, c in enumerate(rest)])
+            if shape.half_spaces:
+                shares = half_space_multipliers(shape, normal)
+                rest = [c - dot(shares, [face[i] for face, _ in shape.half_spaces]) for i, c in enumerate(normal)]
+                ours += dot(shares, [o for _, o in shape.half_spaces]) + dot(
+                    rest, [shape.core_box[c > 0][i] for i, c in enumerate(rest)]
+                )
                 assert min(shares) >= 0
             elif shape.points:
                 ours += max(map(partial(dot, normal), shape.points))
@@ -177,14 +179,14 @@ def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
 def test_what_stands_in_a_text_is_no_theorem() -> None:
     text = text_of("omni_s1").decode().replace("/* omni_s1.h:", "/* \nTheorem of_all_plants\nomni_s1.h:", 1)
     assert "\nTheorem of_all_plants" in text
-    named = re.findall(r"^Theorem (\w+)", asking._without_strings(text), re.M)
+    named = re.findall(r"^Theorem (\w+)", coq._without_strings(text), re.M)
     assert named == ["controller", "closed_loop_example"]
-    assert asking._without_strings(text).count("\n") == text.count("\n")
+    assert coq._without_strings(text).count("\n") == text.count("\n")
 
 
 def test_names_of_sets_cannot_end_the_comment() -> None:
     task, source, certificate = files_of("trolley", "float")
-    text = written(facts(task.replace(b'"pillar"', b'"p *) Axiom a : False. (*"'), source, certificate)).decode()
+    text = tube_theorem_text(read_facts(task.replace(b'"pillar"', b'"p *) Axiom a : False. (*"'), source, certificate)).decode()
     assert text.count("(*") == text.count("*)")
     assert "p __ Axiom a _ False. __" in text
 
@@ -205,9 +207,9 @@ def test_coq_accepts_every_shipped_controller(name: str, scalar: str, tool: Call
     tool("coqc")
     source = ROOT / "generated" / name / "refined" / scalar / name
     parts = (source.with_suffix(end).read_bytes() for end in (".h", ".c", ".certificate.json"))
-    answer = asking.ask_coq(theorem_text((ROOT / "tasks" / f"{name}.toml").read_bytes(), *parts), name)
-    assert answer.holds, answer.what
-    assert set(answer.axioms) == asking.AXIOMS
+    answer = coq.check_with_coq(theorem_text((ROOT / "tasks" / f"{name}.toml").read_bytes(), *parts), name)
+    assert answer.holds, answer.message
+    assert set(answer.axioms) == coq.ACCEPTED_AXIOMS
 
 
 @pytest.mark.slow
@@ -258,15 +260,15 @@ def test_coq_takes_the_conditions_of_a_task_as_the_checker_does(tool: Callable[[
         force, low, high, cross = zip(*(checker.bounds(task, i) for i in range(task.n)), strict=True)
         assert task.period is not None
         numbers = (task.period, task.latency, task.share, (task.plant["noise"] or [Fraction(0)])[0])
-        expected = " ".join([*map(rational, numbers), *map(listed, (force, low, high, cross))])
+        expected = " ".join([*map(coq_rational, numbers), *map(coq_list, (force, low, high, cross))])
         lemmas.append(
-            f"Lemma conditions_{len(lemmas)} : conditions_in {quoted(text)} = Some (Conditions {expected})%Q.\nProof. vm_compute. reflexivity. Qed."
+            f"Lemma conditions_{len(lemmas)} : conditions_in {coq_string(text)} = Some (Conditions {expected})%Q.\nProof. vm_compute. reflexivity. Qed."
         )
     head = "From Coq Require Import QArith String List.\nFrom Stt Require Import Sound Toml.\nImport ListNotations.\nOpen Scope string_scope."
-    answer = asking.ask_coq(
+    answer = coq.check_with_coq(
         "\n".join([head, *lemmas, "Print Assumptions ClassicalDedekindReals.sig_forall_dec."]).encode(), "conditions"
     )
-    assert answer.holds, answer.what
+    assert answer.holds, answer.message
 
 
 # ------------------------------------------------------------------------------------------------ what is changed
@@ -315,12 +317,12 @@ def test_what_is_changed_has_no_theorem(
     assert changed != data[file]
     data[file] = changed
     try:
-        answer = asking.ask_coq(written(facts(*data)), name)
+        answer = coq.check_with_coq(tube_theorem_text(read_facts(*data)), name)
     except Unread as problem:
         assert told in str(problem)
         return
     assert not answer.holds
-    assert told in answer.what
+    assert told in answer.message
 
 
 @pytest.mark.slow

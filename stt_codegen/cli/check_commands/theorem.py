@@ -17,15 +17,15 @@ def theorem(
 ) -> None:
     """Write the theorems of a refined tube from task, header, C and certificate, and ask coqc whether they hold. Exit code
     1 when one does not, 4 without Coq."""
-    from stt_codegen.theorem import ask
+    from stt_codegen.theorem import check_theorems
 
     with patience(f"theorems of {source} (and once the library, which takes a minute)"):
-        answer = ask(task, source, source.with_suffix(".certificate.json"))
+        verdict = check_theorems(task, source, source.with_suffix(".certificate.json"))
     if json:
-        print_json(answer.document())
+        print_json(verdict.document())
     else:
-        print(f"theorem: {'yes' if answer.holds else 'NO'}: {answer.task}: {answer.what}")
-        if answer.holds:
-            say(f"axioms, all of Coq's real numbers: {', '.join(name.rpartition('.')[2] for name in answer.axioms)}")
-    if not answer.holds:
+        print(f"theorem: {'yes' if verdict.holds else 'NO'}: {verdict.task}: {verdict.message}")
+        if verdict.holds:
+            say(f"axioms, all of Coq's real numbers: {', '.join(name.rpartition('.')[2] for name in verdict.axioms)}")
+    if not verdict.holds:
         raise typer.Exit(1)
