@@ -1,4 +1,4 @@
-"""The certificate against an oracle that shares no code with it: dense exact evaluation of the spline as fractions."""
+"""The certificate of a refined tube against an oracle that shares no code with it: exact fractions at many times."""
 
 from __future__ import annotations
 
@@ -21,11 +21,13 @@ from stt_codegen.task.sets.shapes import UnsafeSet
 from stt_codegen.task.task import Task
 from tests.support.controllers import NAMES, ROOT, built, controller_of
 
-SAMPLES = 5  # of each segment, ends included
+SAMPLES_PER_SEGMENT = 5  # ends included
 
 
 def exact_edges(design: RefinedDesign, k: int, s: Fraction) -> list[tuple[Fraction, Fraction]]:
-    """The edges at place s of segment k by de Boor's recursion on control points 6 q, uniform knots."""
+    """Return lower and upper edge of each dimension at local time s (0 to 1) of segment k, by de Boor's recursion.
+
+    The control points are 6 times the table's integers, in its unit; the knots are uniform."""
     result = []
     for i in range(design.dimension):
         pair = []
@@ -41,21 +43,21 @@ def exact_edges(design: RefinedDesign, k: int, s: Fraction) -> list[tuple[Fracti
 
 
 def oracle(task: Task, design: RefinedDesign, margin: Fraction) -> dict[str, bool]:
-    """Which properties hold at the samples (so False is certain, True is not)."""
+    """Return which properties hold at the samples, with this margin: False is certain, True is not."""
     holds = dict.fromkeys(("P1", "P2", "P3", "P4", "P5"), True)
     n = task.dimension
     for k in range(design.segments):
-        for step in range(SAMPLES):
-            edges = exact_edges(design, k, Fraction(step, SAMPLES - 1))
+        for step in range(SAMPLES_PER_SEGMENT):
+            edges = exact_edges(design, k, Fraction(step, SAMPLES_PER_SEGMENT - 1))
             holds["P1"] &= all(b - a >= task.tube.min_width + 2 * margin for a, b in edges)
             holds["P3"] &= all(
                 task.free_space.lower[i] + margin <= edges[i][0] and edges[i][1] + margin <= task.free_space.upper[i]
                 for i in range(n)
             )
-            room = task.tube.clearance + margin
+            distance = task.tube.clearance + margin
             holds["P4"] &= all(
-                any(edges[i][1] + room <= s.lower[i] or edges[i][0] - room >= s.upper[i] for i in range(n))
-                for s in task.obstacles
+                any(edges[i][1] + distance <= unsafe.lower[i] or edges[i][0] - distance >= unsafe.upper[i] for i in range(n))
+                for unsafe in task.obstacles
             )
     start, end = exact_edges(design, 0, Fraction(0)), exact_edges(design, design.segments - 1, Fraction(1))
     for i in range(n):
@@ -67,13 +69,15 @@ def oracle(task: Task, design: RefinedDesign, margin: Fraction) -> dict[str, boo
 
 
 def verdicts(certificate: Certificate) -> dict[str, bool]:
-    found: dict[str, bool] = {}
-    for f in certificate.findings:
-        found[f.code] = found.get(f.code, True) and f.holds
-    return found
+    """Return, by code, whether all of a certificate's findings with that code hold."""
+    holds_by_code: dict[str, bool] = {}
+    for finding in certificate.findings:
+        holds_by_code[finding.code] = holds_by_code.get(finding.code, True) and finding.holds
+    return holds_by_code
 
 
 def bend(controller: EmittedController, j: int, i: int, side: int, amount: int) -> RefinedDesign:
+    """Return the controller's design with one integer of its table changed: of row j, dimension i, lower (0) or upper (1) edge."""
     table = [list(map(list, row)) for row in controller.design.table]
     table[j][i][side] += amount
     return replace(controller.design, table=tuple(tuple(tuple(p) for p in row) for row in table))  # type: ignore[misc]
@@ -88,7 +92,7 @@ def test_the_oracle_agrees_with_every_shipped_certificate(name: str) -> None:
 
 @settings(max_examples=150, deadline=None)
 @given(st.data())
-def test_no_bent_tube_is_certified_that_the_oracle_finds_broken(data) -> None:
+def test_no_tube_that_the_oracle_finds_broken_is_certified(data) -> None:
     controller = controller_of(data.draw(st.sampled_from(["omni_s1", "omni_s2", "spacecraft"])))
     design = controller.design
     j = data.draw(st.integers(0, design.segments + 2))
@@ -102,11 +106,12 @@ def test_no_bent_tube_is_certified_that_the_oracle_finds_broken(data) -> None:
             assert not verdicts(certificate)[code]
 
 
-def failing(task: Task, design: RefinedDesign, error: tuple[Fraction, ...]) -> set[str]:
+def failing_codes(task: Task, design: RefinedDesign, error: tuple[Fraction, ...]) -> set[str]:
+    """Return the codes of the properties that the certificate says fail."""
     return {f.code for f in certify_refined(task, design, error).failures}
 
 
-def test_each_property_fails_alone_when_its_part_of_the_task_moves() -> None:
+def test_each_property_fails_alone_when_its_part_of_the_task_changes() -> None:
     controller = controller_of("omni_s1")
     task, design, error = controller.task, controller.design, controller.certificate.edge_error
     tube = task.tube
@@ -119,15 +124,15 @@ def test_each_property_fails_alone_when_its_part_of_the_task_moves() -> None:
         "P5": {"target_set": target.model_copy(update={"lower": (Fraction("4.9"), Fraction("4.5"))})},
         "P6": {"tube": tube.model_copy(update={"max_speed": Fraction("0.1")})},
     }
-    assert failing(task, design, error) == set()
+    assert failing_codes(task, design, error) == set()
     for code, change in cases.items():
-        assert failing(task.model_copy(update=change), design, error) == {code}
+        assert failing_codes(task.model_copy(update=change), design, error) == {code}
 
 
 def test_a_kink_at_t_c_is_found() -> None:
     controller = controller_of("omni_s1")
     bent = bend(controller, controller.design.segments + 2, 0, 0, 1)
-    assert "P6" in failing(controller.task, bent, controller.certificate.edge_error)
+    assert "P6" in failing_codes(controller.task, bent, controller.certificate.edge_error)
 
 
 def test_a_thin_unsafe_set_between_samples_is_found() -> None:
@@ -148,19 +153,21 @@ def test_halving_certifies_what_the_hull_alone_does_not() -> None:
     controller = controller_of("omni_s2")
     design, task = controller.design, controller.task
     bezier = design.bezier()
-    shown = 0
+    certified_boxes = 0
     for k in range(design.segments):
         low, high = bezier[k, :, 0].min(axis=1), bezier[k, :, 1].max(axis=1)
         middle = exact_edges(design, k, Fraction(1, 2))
-        # a small box at the upper left corner of the hull: off the curve whenever the segment rises in both dimensions
+        # A small box at the upper left corner of the hull: it is off the curve whenever the segment rises in both dimensions.
         corner = (int(low[0]) * design.unit, int(high[1]) * design.unit)
         if not (middle[0][0] - corner[0] > Fraction("0.02") and corner[1] - middle[1][1] > Fraction("0.02")):
             continue
         size = Fraction("0.001")
         box = UnsafeSet(name="corner", lower=(corner[0] - size, corner[1] - size), upper=(corner[0] + size, corner[1] + size))
-        one = task.model_copy(update={"unsafe": (box,), "tube": task.tube.model_copy(update={"clearance": Fraction(0)})})
+        task_with_box = task.model_copy(
+            update={"unsafe": (box,), "tube": task.tube.model_copy(update={"clearance": Fraction(0)})}
+        )
         error = max(controller.certificate.edge_error)
-        dense = all(
+        is_clear_at_samples = all(
             any(
                 a - error >= u or b + error <= lo
                 for (a, b), lo, u in zip(exact_edges(design, q, Fraction(s, 64)), box.lower, box.upper, strict=True)
@@ -168,30 +175,32 @@ def test_halving_certifies_what_the_hull_alone_does_not() -> None:
             for q in range(design.segments)
             for s in range(65)
         )
-        finding = next(f for f in certify_refined(one, design, controller.certificate.edge_error).findings if f.code == "P4")
-        if dense:
+        finding = next(
+            f for f in certify_refined(task_with_box, design, controller.certificate.edge_error).findings if f.code == "P4"
+        )
+        if is_clear_at_samples:
             assert finding.holds
-            shown += 1
-    assert shown > 0
+            certified_boxes += 1
+    assert certified_boxes > 0
 
 
-def test_a_failed_certificate_is_refused_with_property_time_dimension_and_set(monkeypatch) -> None:
+def test_a_refusal_names_property_time_dimension_and_set(monkeypatch) -> None:
     task = load_task(ROOT / "tasks" / "omni_s1.toml")
-    good = controller_of("omni_s1")
-    bent = bend(good, 10, 1, 1, 2**18)
+    certified = controller_of("omni_s1")
+    bent = bend(certified, 10, 1, 1, 2**18)
     monkeypatch.setattr("stt_codegen.pipeline.design_tube", lambda _: bent)
-    with pytest.raises(NotCertified) as caught:
+    with pytest.raises(NotCertified) as refusal:
         build_task(task)
-    assert caught.value.exit_code == 3
+    assert refusal.value.exit_code == 3
     for word in ("avoid (P4) at t", "dimension ", "unsafe set O1", "fails by", "lower tube.clearance"):
-        assert word in str(caught.value)
+        assert word in str(refusal.value)
     controller = build_task(task, uncertified=True)
     for name, data in controller.files.items():
         assert (b"NOT CERTIFIED" in data) or (name.endswith(".json") and b'"certified": false' in data)
 
 
 def test_margins_in_the_certificate_are_true_lower_bounds() -> None:
-    """The least gap over dense samples is never below the certified margin, and comes close to it."""
+    """The smallest gap over many samples is never below the certified margin, and close to it."""
     controller = controller_of("omni_s2")
     task, design = controller.task, controller.design
     widths, gaps = [], []
@@ -207,22 +216,22 @@ def test_margins_in_the_certificate_are_true_lower_bounds() -> None:
 
 
 def moved_task(name: str, far: Fraction, scale: Fraction = Fraction(1)) -> Task:
-    """A shipped task with every length scaled and then every coordinate `far` larger."""
+    """Return a shipped task with every length multiplied by `scale`, and every coordinate then increased by `far`."""
     task = load_task(ROOT / "tasks" / f"{name}.toml")
 
-    def further(values):
+    def scaled_and_shifted(values):
         return tuple(v * scale + far for v in values)
 
-    def moved(box):
-        return box.model_copy(update={"lower": further(box.lower), "upper": further(box.upper)})
+    def moved_box(box):
+        return box.model_copy(update={"lower": scaled_and_shifted(box.lower), "upper": scaled_and_shifted(box.upper)})
 
-    boxes = {name: moved(getattr(task, name)) for name in ("state_space", "initial_set", "target_set")}
-    unsafe = tuple(moved(box) for box in task.unsafe)
+    boxes = {name: moved_box(getattr(task, name)) for name in ("state_space", "initial_set", "target_set")}
+    unsafe = tuple(moved_box(box) for box in task.unsafe)
     tube = {"clearance": task.tube.clearance * scale, "min_width": task.tube.min_width * scale}
-    return task.changed(**boxes, unsafe=unsafe, initial_state=further(task.initial_state), tube=tube)
+    return task.changed(**boxes, unsafe=unsafe, initial_state=scaled_and_shifted(task.initial_state), tube=tube)
 
 
-def test_far_from_the_origin_a_float_has_no_room_and_the_refusal_says_so() -> None:
+def test_far_from_the_origin_float_is_refused_with_the_reason() -> None:
     """At an offset of 5,000,000 floats are half a unit apart: float is refused, whatever the tube."""
     with pytest.raises(NotCertified, match="too narrow.*emit.scalar"):
         built(moved_task("empty", Fraction(5_000_000)))
@@ -230,20 +239,19 @@ def test_far_from_the_origin_a_float_has_no_room_and_the_refusal_says_so() -> No
 
 @pytest.mark.parametrize("far", [Fraction(1000), Fraction(-4821733), Fraction(10**8)])
 @pytest.mark.parametrize("name", ["omni_s2", "spacecraft"])
-def test_a_double_far_from_the_origin_has_the_room_it_has_near_it(name: str, far: Fraction) -> None:
-    """The tube is the one near the origin, moved, on the same grid: to one step of each rounding, and one of the origin's, which need
-    not be a multiple of the table's unit."""
+def test_a_tube_in_doubles_far_from_the_origin_is_the_one_near_it_moved(name: str, far: Fraction) -> None:
+    """The two tables differ by a constant, up to two units: one for rounding, one because `far` need not be a multiple of the unit."""
     near = built(moved_task(name, Fraction(0)).with_options(scalar="double"))
-    there = built(moved_task(name, far).with_options(scalar="double"))
-    assert there.certificate.holds
-    assert there.design.bits == near.design.bits
-    assert there.design.segments == near.design.segments
-    apart = there.design.integers() - near.design.integers()
-    assert np.abs(apart - apart[-1:]).max() <= 2  # the last row tells how far it was moved, rounded like every other
+    distant = built(moved_task(name, far).with_options(scalar="double"))
+    assert distant.certificate.holds
+    assert distant.design.bits == near.design.bits
+    assert distant.design.segments == near.design.segments
+    difference = distant.design.integers() - near.design.integers()
+    assert np.abs(difference - difference[-1:]).max() <= 2
 
 
-def test_where_a_double_holds_no_more_the_tube_is_refused_and_says_so() -> None:
-    """At 10**8 doubles are 2**-26 apart; the room left is 2**-44 of the coordinates, 8e-6 there."""
+def test_a_task_too_small_for_doubles_at_its_distance_is_refused_with_the_reason() -> None:
+    """At 10**8 doubles are 2**-26 apart; a tube needs 2**-44 of the coordinates, which is 8e-6 there."""
     far = Fraction(10**8)
     for scale in (Fraction(1, 10), Fraction(1, 1000)):
         assert built(moved_task("omni_s2", far, scale).with_options(scalar="double")).certificate.holds
@@ -257,8 +265,8 @@ def test_speed_bound_covers_every_difference_quotient() -> None:
     design = controller.design
     step = design.prescribed_time / design.segments
     for k in range(design.segments):
-        places = [exact_edges(design, k, Fraction(s, 8)) for s in range(9)]
-        for before, after in itertools.pairwise(places):
+        edges = [exact_edges(design, k, Fraction(s, 8)) for s in range(9)]
+        for before, after in itertools.pairwise(edges):
             for i in range(3):
                 for side in (0, 1):
                     assert abs(after[i][side] - before[i][side]) / (step / 8) <= controller.certificate.speed[i]
@@ -266,6 +274,6 @@ def test_speed_bound_covers_every_difference_quotient() -> None:
 
 def test_certify_uses_the_program_that_is_printed() -> None:
     controller = controller_of("omni_s1")
-    again = certify(controller.task, controller.design, build_program(controller.task, controller.design))
-    assert again == controller.certificate
-    assert np.all(np.array([float(v) for v in again.edge_error]) < 1e-5)
+    certificate = certify(controller.task, controller.design, build_program(controller.task, controller.design))
+    assert certificate == controller.certificate
+    assert np.all(np.array([float(v) for v in certificate.edge_error]) < 1e-5)

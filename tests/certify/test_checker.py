@@ -1,4 +1,6 @@
-"""The stand-alone checker: says yes to what is shipped, alone in an empty folder, and no to every bend."""
+"""The stand-alone checker: it accepts what is shipped, alone in an empty folder, and refuses what is changed.
+
+The tables of changes are texts of emitted C: (text that occurs in the file, its replacement). `$` stands for the task's name."""
 
 from __future__ import annotations
 
@@ -38,30 +40,30 @@ from tests.support.controllers import NAMES, ROOT, built, controller_of
 CHECKER = ROOT / "stt_codegen" / "certify" / "checker.py"
 
 
-def lay_out(folder: Path, name: str, scalar: str = "float") -> list[str]:
-    """The three files of an example task; the arguments of the checker."""
+def write_files(folder: Path, name: str, scalar: str = "float") -> list[str]:
+    """Write the three files of an example task into the folder, and return them as arguments of the checker."""
     shutil.copy(ROOT / "tasks" / f"{name}.toml", folder / "task.toml")
     for file, data in controller_of(name, scalar).files.items():
         (folder / file).write_bytes(data)
     return [str(folder / f) for f in ("task.toml", f"{name}.c", f"{name}.certificate.json")]
 
 
-def sign_again(arguments: list[str], *others: str) -> None:
-    """Put the hashes of the changed files into the certificate."""
+def update_hashes(arguments: list[str], *more_files: str) -> None:
+    """Put the hashes of the files as they are now into the certificate. more_files: names of files beside task and C."""
     task, source, proof = map(Path, arguments)
     document = json.loads(proof.read_text())
-    for name in (source.name, *others):
+    for name in (source.name, *more_files):
         document["sha256"][name] = hashlib.sha256((source.parent / name).read_bytes()).hexdigest()
     document["sha256"]["task_data"] = checker.Task(task.read_bytes()).digest
     proof.write_text(json.dumps(document))
 
 
-def said_of_changed(arguments: list[str], file: str, old: str, new: str, capsys) -> str:
-    """What the checker says where it says NO of a file with this replaced, the hashes fitting."""
+def refusal_of_change(arguments: list[str], file: str, old: str, new: str, capsys) -> str:
+    """Replace a text in a file, update the hashes, and return the message with which the checker refuses the files."""
     path = Path(arguments[0]).parent / file
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new))
-    sign_again(arguments, *([file] if file.endswith(".h") else []))
+    update_hashes(arguments, *([file] if file.endswith(".h") else []))
     assert checker.main(arguments) == 1
     return capsys.readouterr().out
 
@@ -70,8 +72,8 @@ RECORDED = sorted(path.parent.relative_to(ROOT) for path in ROOT.glob("generated
 
 
 @pytest.mark.parametrize("folder", RECORDED, ids=str)
-def test_every_shipped_controller_is_confirmed_alone_in_an_empty_folder(folder: Path, tmp_path) -> None:
-    """All that is recorded, of whatever task: also what a task emits beside C and Python."""
+def test_every_shipped_controller_is_accepted_in_an_empty_folder(folder: Path, tmp_path) -> None:
+    """Every recorded refined controller, with all that its task emits."""
     name = folder.parts[1]
     shutil.copytree(ROOT / folder, tmp_path, dirs_exist_ok=True)
     shutil.copy(ROOT / "tasks" / f"{name}.toml", tmp_path / "task.toml")
@@ -86,20 +88,17 @@ def test_the_checker_imports_the_standard_library_only_and_is_short() -> None:
     text = CHECKER.read_text()
     imported = set(re.findall(r"^(?:from|import) (\w+)", text, re.M))
     assert imported <= set(sys.stdlib_module_names)
-    # 700 were meant; reading the C takes the other half, shapes and regions 150, motion 70, limits 30, order 2 220, guard, differences
-    # and scaling 80, integers 650: their C in full, their ranges, their curves; axes
-    # that close 170, starts that are covered 110, sets and names that are refused 10
     assert len(text.splitlines()) <= 3350
 
 
-def test_the_checkers_digest_of_a_task_is_the_tools() -> None:
+def test_checker_and_tool_compute_the_same_digest_of_a_task() -> None:
     for name in NAMES:
         data = (ROOT / "tasks" / f"{name}.toml").read_bytes()
         assert checker.Task(data).digest == controller_of(name).task.digest
 
 
-def read(arguments: list[str], single: bool = True) -> tuple[checker.Task, checker.Source, checker.Tube]:
-    """What the checker makes of the three files."""
+def read_files(arguments: list[str], single: bool = True) -> tuple[checker.Task, checker.Source, checker.Tube]:
+    """Return the three files as the checker reads them. single: whether the C computes in float."""
     task = checker.Task(Path(arguments[0]).read_bytes())
     source = checker.Source(Path(arguments[1]).read_bytes(), task, single)
     return task, source, checker.Tube(source, task, json.loads(Path(arguments[2]).read_text())["grid"]["unit_bits"])
@@ -107,18 +106,18 @@ def read(arguments: list[str], single: bool = True) -> tuple[checker.Task, check
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
 @pytest.mark.parametrize("name", NAMES)
-def test_its_bound_on_rounding_is_the_tools(name: str, scalar: str, tmp_path) -> None:
-    """From the statements of the C text here, from the Program there; the tool rounds up to 17 bits."""
-    _, source, tube = read(lay_out(tmp_path, name, scalar), scalar == "float")
+def test_checker_and_tool_have_the_same_bound_on_rounding(name: str, scalar: str, tmp_path) -> None:
+    """The checker reads the C, the tool its Program; the tool rounds the bound up to 17 bits."""
+    _, source, tube = read_files(write_files(tmp_path, name, scalar), scalar == "float")
     error = controller_of(name, scalar).certificate.edge_error
-    for own, theirs in zip(checker.arithmetic(source, tube), error, strict=True):
-        assert own <= theirs <= own * (1 + Fraction(1, 2**15))
+    for bound, tool_bound in zip(checker.arithmetic(source, tube), error, strict=True):
+        assert bound <= tool_bound <= bound * (1 + Fraction(1, 2**15))
 
 
-def test_a_sample_of_changed_tokens_and_every_changed_claim_is_found() -> None:
-    """All of them: benchmarks/token_mutants.py. What is accepted means the same."""
-    for task, every in (("trolley", 240), ("omni_board", 288)):
-        for mutant in token_mutants.mutants(task, every):
+def test_changed_tokens_and_claims_are_refused_unless_they_mean_the_same() -> None:
+    """A sample of changed tokens of C, and every changed claim; benchmarks/token_mutants.py checks all tokens."""
+    for task, stride in (("trolley", 240), ("omni_board", 288)):
+        for mutant in token_mutants.mutants(task, stride):
             if token_mutants.accepted(token_mutants.changed(mutant, task), task):
                 assert token_mutants.same_meaning(mutant, task), mutant
     for label in token_mutants.changed_claims("trolley"):
@@ -126,19 +125,19 @@ def test_a_sample_of_changed_tokens_and_every_changed_claim_is_found() -> None:
 
 
 def gains(source: Path) -> list[str]:
-    """The gains as the C's table writes them."""
+    """Return the gains as the table in the C writes them."""
     table = re.search(r"_gain\[\d+\] = \{([^}]*)\}", source.read_text())
     return re.findall(r"[\d.e-]+F", table[1]) if table else []
 
 
-def placed(text: str, task: str, source: Path) -> str:
-    """With the prefix for $, and what else depends on the tube."""
+def filled(text: str, task: str, source: Path) -> str:
+    """Return the text with the task's name for `$`, and the C's own gain and coefficient for the names in <..>."""
     last = re.search(r"(\S+)\n\};", source.read_text())[1]
     return text.replace("$", task).replace("<first gain>", *gains(source)[:1] or [""]).replace("<last coefficient>", last)
 
 
-# In the C of trolley.
-MEANINGS = [
+# Changes of trolley's C that a compiler accepts and that change the meaning.
+CHANGED_MEANINGS = [
     (
         "static const $_real $_coefficients[140] = {",
         "// static const $_real $_coefficients[140] = {\nstatic const $_real $_coefficients[140] = {",
@@ -181,20 +180,20 @@ MEANINGS = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new"), MEANINGS)
-def test_another_meaning_is_found_although_the_hashes_fit(old: str, new: str, tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, "trolley")
+@pytest.mark.parametrize(("old", "new"), CHANGED_MEANINGS)
+def test_c_of_another_meaning_is_refused_although_the_hashes_fit(old: str, new: str, tmp_path, capsys) -> None:
+    arguments = write_files(tmp_path, "trolley")
     source = Path(arguments[1])
-    old, new = (placed(text, "trolley", source) for text in (old, new))
+    old, new = (filled(text, "trolley", source) for text in (old, new))
     assert old in source.read_text()
     source.write_text(source.read_text().replace(old, new))
-    sign_again(arguments)
+    update_hashes(arguments)
     assert checker.main(arguments) == 1
     assert "NO" in capsys.readouterr().out
 
 
-# What a compiler reads otherwise than a careless reader, and what rounds, overflows or is read from elsewhere.
-COMPILED = [
+# Changes that a careless reader of C would miss: comments, octal numbers, other names, and sums that round or overflow.
+SUBTLE_CHANGES = [
     ("trolley", "v4 = v3 / b;", "v4 = v3 //* */ b\n    ;"),
     ("trolley", "logf(v0)", "trolley_logf(v0)"),
     ("trolley", "trolley_segment(t, &row, &s);", "segment(t, &row, &s);"),
@@ -271,48 +270,50 @@ COMPILED = [
 ]
 
 
-@pytest.mark.parametrize(("task", "old", "new"), COMPILED)
-def test_what_only_a_compiler_would_notice_is_found(task: str, old: str, new: str, tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, task)
+@pytest.mark.parametrize(("task", "old", "new"), SUBTLE_CHANGES)
+def test_a_change_that_a_careless_reader_would_miss_is_refused(task: str, old: str, new: str, tmp_path, capsys) -> None:
+    arguments = write_files(tmp_path, task)
     source = Path(arguments[1])
-    old, new = (placed(text, task, source) for text in (old, new))
+    old, new = (filled(text, task, source) for text in (old, new))
     assert old in source.read_text()
     source.write_text(source.read_text().replace(old, new))
-    sign_again(arguments)
+    update_hashes(arguments)
     assert checker.main(arguments) in (1, 2)
-    said = capsys.readouterr()
-    assert re.search("of the C|the C has|basis|P7|Recursion|of the scalar's range", said.out + said.err)
+    output = capsys.readouterr()
+    assert re.search("of the C|the C has|basis|P7|Recursion|of the scalar's range", output.out + output.err)
 
 
-def test_a_store_before_a_load_of_another_loop_is_found(tmp_path, capsys) -> None:
+def test_a_store_before_the_load_of_another_loop_is_refused(tmp_path, capsys) -> None:
     """u may be the array x itself: with two loops the second would read what the first has written."""
-    arguments = lay_out(tmp_path, "trolley")
+    arguments = write_files(tmp_path, "trolley")
     source = Path(arguments[1])
     text = source.read_text()
     begin = text.index("trolley_status trolley_control(")
-    at = text.index("        u[i] = u_held;\n        outside = outside_any;\n    }\n", begin)
-    second = "        u[i] = u_held;\n        outside = outside_any;\n    }\n    for (int32_t k = 0; k < 2; ++k) {\n        const trolley_real x_k = x[k];\n    }\n"
-    source.write_text(text[:at] + second + text[at + len("        u[i] = u_held;\n        outside = outside_any;\n    }\n") :])
-    sign_again(arguments)
+    position = text.index("        u[i] = u_held;\n        outside = outside_any;\n    }\n", begin)
+    two_loops = "        u[i] = u_held;\n        outside = outside_any;\n    }\n    for (int32_t k = 0; k < 2; ++k) {\n        const trolley_real x_k = x[k];\n    }\n"
+    source.write_text(
+        text[:position] + two_loops + text[position + len("        u[i] = u_held;\n        outside = outside_any;\n    }\n") :]
+    )
+    update_hashes(arguments)
     assert checker.main(arguments) == 1
     assert "a number read where none may be" in capsys.readouterr().out
 
 
 def test_a_chosen_gain_is_positive(tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, "trolley")
+    arguments = write_files(tmp_path, "trolley")
     source, proof = Path(arguments[1]), Path(arguments[2])
     for number in gains(source):
         source.write_text(source.read_text().replace(number, f"-{number}"))
     claimed = json.loads(proof.read_text())["control"]["gain"]
     for number in claimed:
         proof.write_text(proof.read_text().replace(f'"{number}"', f'"-{number}"'))
-    sign_again(arguments)
+    update_hashes(arguments)
     assert checker.main(arguments) == 1
     assert "not of one sign, or not positive" in capsys.readouterr().out
 
 
-# In the header of trolley.
-HEADERS = [
+# Changes of trolley's header.
+CHANGED_HEADERS = [
     ("#define TROLLEY_T_C 8.0F", "#define TROLLEY_T_C 8.0F / 100.0F"),
     ('extern "C" {\n#endif', 'extern "C" { #endif'),
     ("#define TROLLEY_N 2", "#define TROLLEY_N 2\n#define trolley_law evil"),
@@ -324,19 +325,19 @@ HEADERS = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new"), HEADERS)
-def test_another_header_is_found(old: str, new: str, tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, "trolley")
-    head = tmp_path / "trolley.h"
-    assert old in head.read_text()
-    head.write_text(head.read_text().replace(old, new))
-    sign_again(arguments, "trolley.h")
+@pytest.mark.parametrize(("old", "new"), CHANGED_HEADERS)
+def test_a_changed_header_is_refused(old: str, new: str, tmp_path, capsys) -> None:
+    arguments = write_files(tmp_path, "trolley")
+    header = tmp_path / "trolley.h"
+    assert old in header.read_text()
+    header.write_text(header.read_text().replace(old, new))
+    update_hashes(arguments, "trolley.h")
     assert checker.main(arguments) == 1
     assert re.search("header|directive", capsys.readouterr().out)
 
 
-# Of trolley: equal in exact arithmetic.
-ROUNDED = [
+# Changes of trolley's C that are equal in exact arithmetic, and not in floats.
+REORDERED_SUMS = [
     (
         "far = room - near;",
         "wide = room + 1.0e9F;\n        const $_real less = wide - near;\n        const $_real far = less - 1.0e9F;",
@@ -349,14 +350,14 @@ ROUNDED = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new"), ROUNDED)
-def test_the_same_formula_that_rounds_otherwise_is_found(old: str, new: str, tmp_path, capsys) -> None:
-    """Equal in exact arithmetic; in floats the distance to the nearer edge is lost."""
-    arguments = lay_out(tmp_path, "trolley")
+@pytest.mark.parametrize(("old", "new"), REORDERED_SUMS)
+def test_an_equal_formula_that_rounds_differently_is_refused(old: str, new: str, tmp_path, capsys) -> None:
+    """In floats the changed formula loses the distance to the nearer edge."""
+    arguments = write_files(tmp_path, "trolley")
     source = Path(arguments[1])
     assert old in source.read_text()
     source.write_text(source.read_text().replace(old, new.replace("$", "trolley")))
-    sign_again(arguments)
+    update_hashes(arguments)
     assert checker.main(arguments) == 1
     assert "not the law's" in capsys.readouterr().out
 
@@ -387,8 +388,8 @@ def test_the_same_formula_that_rounds_otherwise_is_found(old: str, new: str, tmp
         ("[control]", "[[unsafe]]\nname = 'pillar'\nlower = [0, 0]\nupper = [0.1, 0.1]\n[control]"),
     ],
 )
-def test_a_task_that_is_none_is_not_checked(old: str, new: str, tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, "trolley")
+def test_an_invalid_task_is_an_error_of_input(old: str, new: str, tmp_path, capsys) -> None:
+    arguments = write_files(tmp_path, "trolley")
     task = Path(arguments[0])
     assert old in task.read_text()
     task.write_text(task.read_text().replace(old, new))
@@ -397,7 +398,7 @@ def test_a_task_that_is_none_is_not_checked(old: str, new: str, tmp_path, capsys
 
 
 @pytest.mark.parametrize(
-    ("field", "change", "said"),
+    ("field", "change", "message"),
     [
         ("rho", lambda v: v / 2, "rho is not between"),
         ("rho", lambda v: v * Fraction(9, 10), "rho is not between"),
@@ -407,18 +408,18 @@ def test_a_task_that_is_none_is_not_checked(old: str, new: str, tmp_path, capsys
         ("shift", lambda v: v * Fraction(101, 100), "the law sees more wrong"),
     ],
 )
-def test_a_wrong_claim_about_samples_is_found(field: str, change: Callable, said: str, tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, "trolley")
+def test_a_wrong_claim_about_samples_is_refused(field: str, change: Callable, message: str, tmp_path, capsys) -> None:
+    arguments = write_files(tmp_path, "trolley")
     proof = Path(arguments[2])
     document = json.loads(proof.read_text())
     document["sampled"][field] = [str(change(Fraction(v))) for v in document["sampled"][field]]
     proof.write_text(json.dumps(document))
     assert checker.main(arguments) == 1
-    assert said in capsys.readouterr().out
+    assert message in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
         ("period = 0.02 ", "period = 0.05 ", "P9 does not hold"),
         ("w_max = 0.1", "w_max = 1.5", "P9 does not hold"),
@@ -428,36 +429,40 @@ def test_a_wrong_claim_about_samples_is_found(field: str, change: Callable, said
         ("initial_state = [0.5, 0.5]", "initial_state = [0.22, 0.5]", "P"),
     ],
 )
-def test_a_harder_loop_is_found_although_the_claims_go_along(old: str, new: str, said: str, tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, "trolley")
+def test_a_loop_beyond_its_proof_is_refused_although_certificate_and_header_fit_it(
+    old: str, new: str, message: str, tmp_path, capsys
+) -> None:
+    arguments = write_files(tmp_path, "trolley")
     task, proof = Path(arguments[0]), Path(arguments[2])
     assert old in task.read_text()
     task.write_text(task.read_text().replace(old, new))
-    known = checker.Task(task.read_bytes())
+    checked_task = checker.Task(task.read_bytes())
     document = json.loads(proof.read_text())
-    document["sampled"]["period"] = str(known.period)
-    document["sampled"]["plant"] = known.stated
+    document["sampled"]["period"] = str(checked_task.period)
+    document["sampled"]["plant"] = checked_task.stated
     proof.write_text(json.dumps(document))
     header = tmp_path / "trolley.h"
     header.write_text(
         header.read_text().replace(
-            "PERIOD_PROVED 0.02F", f"PERIOD_PROVED {float(checker.rounded(known.period, 24, math.floor))}F"
+            "PERIOD_PROVED 0.02F", f"PERIOD_PROVED {float(checker.rounded(checked_task.period, 24, math.floor))}F"
         )
     )
-    sign_again(arguments, "trolley.h")
+    update_hashes(arguments, "trolley.h")
     document = json.loads(proof.read_text())
-    design = checker.design_hash(known, read(arguments)[2], "float", document["grid"]["unit_bits"])
+    design = checker.design_hash(checked_task, read_files(arguments)[2], "float", document["grid"]["unit_bits"])
     header.write_text(re.sub(r'DESIGN_HASH "\w+"', f'DESIGN_HASH "{design}"', header.read_text()))
-    sign_again(arguments, "trolley.h")
-    source, tube = checker.Source(Path(arguments[1]).read_bytes(), known, True), read(arguments)[2]
-    Path(arguments[1]).write_text(with_starts(Path(arguments[1]).read_text(), checker.covered_starts(known, tube, source, [])))
-    sign_again(arguments, "trolley.c")
+    update_hashes(arguments, "trolley.h")
+    source, tube = checker.Source(Path(arguments[1]).read_bytes(), checked_task, True), read_files(arguments)[2]
+    Path(arguments[1]).write_text(
+        with_starts(Path(arguments[1]).read_text(), checker.covered_starts(checked_task, tube, source, []))
+    )
+    update_hashes(arguments, "trolley.c")
     assert checker.main(arguments) == 1
-    assert said in capsys.readouterr().out
+    assert message in capsys.readouterr().out
 
 
 def with_starts(text: str, tables: dict[str, list[Fraction]]) -> str:
-    """A float C file with other tables of the starts that are covered."""
+    """Return the text of a C file in float with other tables of the covered starts."""
     for name, values in tables.items():
         entries = ", ".join(f"{float(v)!r}F" for v in values)
         text = re.sub(rf"(_{name}\[\d+\] = {{)[^}}]*}}", rf"\1\n    {entries}\n}}", text)
@@ -465,13 +470,13 @@ def with_starts(text: str, tables: dict[str, list[Fraction]]) -> str:
 
 
 def test_the_order_of_keys_in_a_certificate_does_not_matter_but_types_do(tmp_path) -> None:
-    arguments = lay_out(tmp_path, "trolley")
+    arguments = write_files(tmp_path, "trolley")
     proof = Path(arguments[2])
     document = json.loads(proof.read_text())
     proof.write_text(json.dumps(document, sort_keys=True))
     assert checker.main(arguments) == 0
-    for odd in (" 95027977/5000000", "9_5027977/5000000", "95027977/5000000\n"):
-        proof.write_text(json.dumps({**document, "sampled": {**document["sampled"], "rho": [odd, odd]}}))
+    for fraction in (" 95027977/5000000", "9_5027977/5000000", "95027977/5000000\n"):
+        proof.write_text(json.dumps({**document, "sampled": {**document["sampled"], "rho": [fraction, fraction]}}))
         assert checker.main(arguments) == 1
     document["claims"][0]["on"][0] = False
     proof.write_text(json.dumps(document))
@@ -480,35 +485,35 @@ def test_the_order_of_keys_in_a_certificate_does_not_matter_but_types_do(tmp_pat
     assert checker.main(arguments) == 2
 
 
-def test_the_documents_example_is_what_is_made() -> None:
-    """Every line of a claim in docs/certificate-format.md is one of the recorded certificate."""
-    shown = re.findall(
+def test_the_documents_example_is_a_recorded_certificate() -> None:
+    """Every line of a claim in docs/certificate-format.md is a line of trolley's recorded certificate."""
+    documented = re.findall(
         r'^ +("(?:grid|speed|start|control|edge_error)".*|\{"property".*)$',
         (ROOT / "docs" / "certificate-format.md").read_text(),
         re.M,
     )
-    made = (ROOT / "generated" / "trolley" / "refined" / "float" / "trolley.certificate.json").read_text()
-    assert len(shown) == 12
-    assert all(line in made for line in shown)
+    recorded = (ROOT / "generated" / "trolley" / "refined" / "float" / "trolley.certificate.json").read_text()
+    assert len(documented) == 12
+    assert all(line in recorded for line in documented)
 
 
 @functools.cache
-def tight() -> list[tuple[Task, RefinedDesign]]:
-    """The first mutants of seed 0 whose proof needs a cut."""
-    found = []
+def tubes_that_need_cuts() -> list[tuple[Task, RefinedDesign]]:
+    """Return the first three mutated tubes of seed 0 whose proof cuts segments into parts."""
+    tubes = []
     for number in itertools.count():
         _, _, _, (task, design) = draw(Random(f"0 {number}"), BASES)
         certificate = certify(task, design, build_program(task, design))
         if certificate.holds and cuts_of(claims_of(task, design, certificate)) > 1:
-            found.append((task, design))
-        if len(found) == 3:
-            return found
+            tubes.append((task, design))
+        if len(tubes) == 3:
+            return tubes
     return []
 
 
 @pytest.mark.parametrize("number", range(3))
-def test_where_the_hull_of_a_segment_shows_too_little_the_hints_cut_it(number: int, tmp_path) -> None:
-    task, design = tight()[number]
+def test_a_proof_that_cuts_segments_is_accepted_and_refused_with_a_cut_left_out(number: int, tmp_path) -> None:
+    task, design = tubes_that_need_cuts()[number]
     files = files_claiming_success(task, design, certify(task, design, build_program(task, design)))
     for name, data in files.items():
         (tmp_path / name).write_bytes(data)
@@ -523,22 +528,22 @@ def test_where_the_hull_of_a_segment_shows_too_little_the_hints_cut_it(number: i
     assert checker.main(arguments) == 1  # a gap in time
 
 
-def test_a_bound_on_speed_is_claimed(tmp_path) -> None:
-    made = built(load_task(ROOT / "tasks" / "omni_s1.toml").changed(tube={"segments": 8, "max_speed": 5}))
+def test_a_bound_on_speed_is_claimed_and_accepted(tmp_path) -> None:
+    controller = built(load_task(ROOT / "tasks" / "omni_s1.toml").changed(tube={"segments": 8, "max_speed": 5}))
     text = (
         (ROOT / "tasks" / "omni_s1.toml").read_text().replace("min_width = 0.05", "min_width = 0.05\nsegments = 8\nmax_speed = 5")
     )
-    for name, data in {**made.files, "task.toml": text.encode()}.items():
+    for name, data in {**controller.files, "task.toml": text.encode()}.items():
         (tmp_path / name).write_bytes(data)
-    assert json.loads(made.files["omni_s1.certificate.json"])["claims"][-1]["margin"] > 0
+    assert json.loads(controller.files["omni_s1.certificate.json"])["claims"][-1]["margin"] > 0
     assert checker.main([str(tmp_path / n) for n in ("task.toml", "omni_s1.c", "omni_s1.certificate.json")]) == 0
 
 
 @pytest.mark.slow
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
-def test_with_new_hashes_every_bend_that_breaks_a_property_is_found_by_the_proof(data, tmp_path) -> None:
-    """The truth by exact de Boor evaluation at samples, which shares no code with the checker."""
+def test_with_updated_hashes_a_changed_tube_is_accepted_only_if_it_is_certified(data, tmp_path) -> None:
+    """The oracle evaluates the edges exactly at samples and shares no code with the checker."""
     name = data.draw(st.sampled_from(["omni_s1", "omni_s2", "spacecraft"]))
     controller = controller_of(name)
     j, i = data.draw(st.integers(0, 34)), data.draw(st.integers(0, controller.design.dimension - 1))
@@ -547,11 +552,11 @@ def test_with_new_hashes_every_bend_that_breaks_a_property_is_found_by_the_proof
     certificate = certify(controller.task, bent, build_program(controller.task, bent))
     for file, content in files_claiming_success(controller.task, bent, certificate).items():
         (tmp_path / file).write_bytes(content)
-    truth = oracle(controller.task, bent, Fraction(0))
-    answer = checker.main([str(tmp_path / f) for f in ("task.toml", f"{name}.c", f"{name}.certificate.json")])
-    assert answer == (0 if certificate.holds else 1)
-    if not all(truth.values()):
-        assert answer == 1
+    holds_at_samples = oracle(controller.task, bent, Fraction(0))
+    exit_code = checker.main([str(tmp_path / f) for f in ("task.toml", f"{name}.c", f"{name}.certificate.json")])
+    assert exit_code == (0 if certificate.holds else 1)
+    if not all(holds_at_samples.values()):
+        assert exit_code == 1
 
 
 @pytest.mark.parametrize(
@@ -564,9 +569,9 @@ def test_with_new_hashes_every_bend_that_breaks_a_property_is_found_by_the_proof
         ("place / 1125", "place / 1124"),
     ],
 )
-def test_another_time_in_ticks_is_found(old: str, new: str, tmp_path, capsys) -> None:
-    said = said_of_changed(lay_out(tmp_path, "omni_board"), "omni_board.c", old, new, capsys)
-    assert "segment_at_tick of the C" in said
+def test_another_time_in_ticks_is_refused(old: str, new: str, tmp_path, capsys) -> None:
+    message = refusal_of_change(write_files(tmp_path, "omni_board"), "omni_board.c", old, new, capsys)
+    assert "segment_at_tick of the C" in message
 
 
 @pytest.mark.parametrize(
@@ -581,8 +586,8 @@ def test_another_time_in_ticks_is_found(old: str, new: str, tmp_path, capsys) ->
         ("scaled : 31.999998F", "scaled : 32.0F"),
     ],
 )
-def test_another_time_scale_or_index_is_found(old: str, new: str, tmp_path, capsys) -> None:
-    assert "segment of the C" in said_of_changed(lay_out(tmp_path, "omni_s1"), "omni_s1.c", old, new, capsys)
+def test_another_time_scale_or_index_is_refused(old: str, new: str, tmp_path, capsys) -> None:
+    assert "segment of the C" in refusal_of_change(write_files(tmp_path, "omni_s1"), "omni_s1.c", old, new, capsys)
 
 
 @pytest.mark.parametrize(
@@ -596,45 +601,52 @@ def test_another_time_scale_or_index_is_found(old: str, new: str, tmp_path, caps
         ("min_width = 0.05", "min_width = 0.05\nmax_speed = 0.5", "P6"),
     ],
 )  # fmt: skip
-def test_a_harder_task_is_found_although_the_hashes_fit(old: str, new: str, code: str, tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, "omni_s1")
+def test_a_harder_task_is_refused_although_the_hashes_fit(old: str, new: str, code: str, tmp_path, capsys) -> None:
+    arguments = write_files(tmp_path, "omni_s1")
     task = Path(arguments[0])
     assert old in task.read_text()
     task.write_text(task.read_text().replace(old, new))
-    sign_again(arguments)
+    update_hashes(arguments)
     assert checker.main(arguments) == 1
     assert code in capsys.readouterr().out
 
 
-fractions = st.fractions(min_value=-3, max_value=3, max_denominator=50)
-places = st.fractions(min_value=0, max_value=1, max_denominator=20)
+fractions = st.fractions(min_value=-3, max_value=3, max_denominator=50)  # Bezier coefficients
+local_times = st.fractions(min_value=0, max_value=1, max_denominator=20)
 
 
-@given(st.lists(fractions, min_size=8, max_size=8), places, places, places)
-def test_a_part_of_a_piece_is_the_same_curve(c: list[Fraction], a: Fraction, b: Fraction, s: Fraction) -> None:
-    def at(e: list[Fraction], place: Fraction) -> Fraction:
-        r = 1 - place
-        return r**3 * e[0] + 3 * r * r * place * e[1] + 3 * r * place**2 * e[2] + place**3 * e[3]
+@given(st.lists(fractions, min_size=8, max_size=8), local_times, local_times, local_times)
+def test_a_part_of_a_bezier_piece_is_the_same_curve(
+    coefficients_of_edges: list[Fraction], a: Fraction, b: Fraction, s: Fraction
+) -> None:
+    def value_at(coefficients: list[Fraction], time: Fraction) -> Fraction:
+        r = 1 - time
+        return (
+            r**3 * coefficients[0]
+            + 3 * r * r * time * coefficients[1]
+            + 3 * r * time**2 * coefficients[2]
+            + time**3 * coefficients[3]
+        )
 
     a, b = sorted((a, b))
     if b > 0:
-        (part,) = checker.within([(c[:4], c[4:])], a, b)
-        for side, edge in enumerate((c[:4], c[4:])):
-            assert at(part[side], s) == at(edge, a + s * (b - a))
+        (part,) = checker.within([(coefficients_of_edges[:4], coefficients_of_edges[4:])], a, b)
+        for side, edge in enumerate((coefficients_of_edges[:4], coefficients_of_edges[4:])):
+            assert value_at(part[side], s) == value_at(edge, a + s * (b - a))
 
 
 @given(st.fractions(min_value=Fraction(1000001, 1000000), max_value=10**6))
-def test_its_logarithm_encloses_the_true_one_closely(y: Fraction) -> None:
+def test_the_checkers_logarithm_encloses_the_true_one_closely(y: Fraction) -> None:
     low, high = checker.logarithm(y)
     with localcontext(prec=60):
-        true = Decimal(y.numerator).ln() - Decimal(y.denominator).ln()
-    assert low <= Fraction(true) + Fraction(1, 10**40)
-    assert Fraction(true) - Fraction(1, 10**40) <= high
+        true_logarithm = Decimal(y.numerator).ln() - Decimal(y.denominator).ln()
+    assert low <= Fraction(true_logarithm) + Fraction(1, 10**40)
+    assert Fraction(true_logarithm) - Fraction(1, 10**40) <= high
     assert high - low < Fraction(1, 10**16)
 
 
-def test_what_it_cannot_check_it_says_so(tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, "omni_s1")
+def test_what_the_checker_cannot_check_is_an_error_of_input(tmp_path, capsys) -> None:
+    arguments = write_files(tmp_path, "omni_s1")
     folder = ROOT / "generated" / "omni_s1" / "literal" / "float"
     literal = [arguments[0], str(folder / "omni_s1.c"), str(folder / "omni_s1.certificate.json")]
     assert checker.main(literal) == 2
@@ -644,17 +656,18 @@ def test_what_it_cannot_check_it_says_so(tmp_path, capsys) -> None:
 
 
 def test_the_command_line_runs_the_same_checker(tmp_path) -> None:
-    arguments = lay_out(tmp_path, "omni_s1")
+    arguments = write_files(tmp_path, "omni_s1")
     command = [sys.executable, "-m", "stt_codegen.cli", "certify", *arguments]
-    good = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert (good.returncode, good.stdout[:12]) == (0, "checker: yes")
+    accepted = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (accepted.returncode, accepted.stdout[:12]) == (0, "checker: yes")
     Path(arguments[1]).write_text(Path(arguments[1]).read_text() + " ")
     assert subprocess.run(command, capture_output=True, text=True, check=False).returncode == 1
 
 
 # ------------------------------------------------------------------------------------------------ integers
 
-GANTRY = [  # a statement of each kind, or a constant, and what stands there instead
+# Changes of the C in integers: each replaces a statement of another kind, a constant, or an entry of a table.
+GANTRY = [
     ("tick < 4000U", "tick <= 4000U"),
     ("running ? tick : 4000U", "running ? 4000U : tick"),
     ("tick < 4000U", "tick < 3999U"),
@@ -745,7 +758,7 @@ GANTRY = [  # a statement of each kind, or a constant, and what stands there ins
     ("const uint8_t gantry_places[72]", "const uint8_t gantry_places[73]"),
     ("gantry_bends[72] GANTRY_FLASH", "gantry_bends[72]"),
     ("static const uint16_t gantry_slopes", "static uint16_t gantry_slopes"),
-    # what it is counted with
+    # the helper functions of integer arithmetic
     ("((-3) >> 1 == -2) ? 1 : -1", "((-3) >> 1 == -2) ? 1 : 1"),
     ("return a >> n;", "return a / (1 << n);"),
     ("(n >= 16)) {", "(n >= 15)) {"),
@@ -792,9 +805,11 @@ CRANE = [
 
 
 @pytest.mark.parametrize(("name", "old", "new"), [*(("gantry", *pair) for pair in GANTRY), *(("crane", *pair) for pair in CRANE)])
-def test_another_controller_in_integers_is_found_although_the_hashes_fit(name: str, old: str, new: str, tmp_path, capsys) -> None:
-    said = said_of_changed(lay_out(tmp_path, name, "fixed"), f"{name}.c", old, new, capsys)
-    assert re.match("checker: NO: .*(the C has|of the C|the C may|the table|P7|not the tube's)", said)
+def test_another_controller_in_integers_is_refused_although_the_hashes_fit(
+    name: str, old: str, new: str, tmp_path, capsys
+) -> None:
+    message = refusal_of_change(write_files(tmp_path, name, "fixed"), f"{name}.c", old, new, capsys)
+    assert re.match("checker: NO: .*(the C has|of the C|the C may|the table|P7|not the tube's)", message)
 
 
 @pytest.mark.parametrize(
@@ -816,26 +831,26 @@ def test_another_controller_in_integers_is_found_although_the_hashes_fit(name: s
         ("int gantry_selftest(void);", ""),
     ],
 )
-def test_another_header_of_a_controller_in_integers_is_found(old: str, new: str, tmp_path, capsys) -> None:
-    assert "header" in said_of_changed(lay_out(tmp_path, "gantry", "fixed"), "gantry.h", old, new, capsys)
+def test_another_header_of_a_controller_in_integers_is_refused(old: str, new: str, tmp_path, capsys) -> None:
+    assert "header" in refusal_of_change(write_files(tmp_path, "gantry", "fixed"), "gantry.h", old, new, capsys)
 
 
-def test_every_line_of_c_that_is_left_out_is_found(tmp_path) -> None:
-    """But those of tables, of which there are many: of these every tenth. A sample of single tokens: token_mutants."""
-    arguments = lay_out(tmp_path, "gantry", "fixed")
+def test_c_without_one_of_its_lines_is_refused(tmp_path) -> None:
+    """Every line of code, and every tenth of the many lines of numbers. benchmarks/token_mutants.py changes single tokens."""
+    arguments = write_files(tmp_path, "gantry", "fixed")
     source = Path(arguments[1])
     text = re.sub(r"/\*.*?\*/", "", source.read_text(), flags=re.DOTALL)
     lines = text.splitlines()
-    plain = [k for k, line in enumerate(lines) if line.strip() and not re.fullmatch(r"[-\d, ]+", line)]
+    code = [k for k, line in enumerate(lines) if line.strip() and not re.fullmatch(r"[-\d, ]+", line)]
     numbers = [k for k, line in enumerate(lines) if re.fullmatch(r"[-\d, ]+", line)]
-    for k in (*plain, *numbers[::10]):
+    for k in (*code, *numbers[::10]):
         source.write_text("\n".join(lines[:k] + lines[k + 1 :]) + "\n")
-        sign_again(arguments)
+        update_hashes(arguments)
         assert checker.main(arguments) == 1, lines[k]
 
 
 @pytest.mark.parametrize(
-    ("name", "change", "said"),
+    ("name", "change", "message"),
     [
         ("gantry", lambda c: c["edge_error"].__setitem__(0, 3), "P7"),
         ("gantry", lambda c: c["edge_error"].__setitem__(0, 5), "P7"),
@@ -852,18 +867,18 @@ def test_every_line_of_c_that_is_left_out_is_found(tmp_path) -> None:
         ("gantry", lambda c: c["sha256"].__setitem__("gantry.py", "0"), "SHA-256"),
     ],
 )
-def test_a_wrong_claim_about_integers_is_found(name: str, change: Callable, said: str, tmp_path, capsys) -> None:
-    arguments = lay_out(tmp_path, name, "fixed")
+def test_a_wrong_claim_about_integers_is_refused(name: str, change: Callable, message: str, tmp_path, capsys) -> None:
+    arguments = write_files(tmp_path, name, "fixed")
     proof = Path(arguments[2])
     document = json.loads(proof.read_text())
     change(document)
     proof.write_text(json.dumps(document))
     assert checker.main(arguments) == 1
-    assert re.search(said, capsys.readouterr().out)
+    assert re.search(message, capsys.readouterr().out)
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
         ("tick_period = 0.001", "tick_period = 0.002", "other ticks"),
         ("tick_period = 0.001", "tick_period = 0.0010001", "no whole number of its ticks"),
@@ -878,19 +893,20 @@ def test_a_wrong_claim_about_integers_is_found(name: str, change: Callable, said
         ("w_max = 0.02", "w_max = 0.3", "header"),
     ],
 )
-def test_the_integers_of_another_task_are_found(old: str, new: str, said: str, tmp_path, capsys) -> None:
-    assert re.search(said, said_of_changed(lay_out(tmp_path, "gantry", "fixed"), "task.toml", old, new, capsys))
+def test_the_integers_of_another_task_are_refused(old: str, new: str, message: str, tmp_path, capsys) -> None:
+    assert re.search(message, refusal_of_change(write_files(tmp_path, "gantry", "fixed"), "task.toml", old, new, capsys))
 
 
-@pytest.mark.parametrize(("task", "parts"), [("gantry", 90), ("crane", 120)])
-def test_of_changed_tokens_of_integers_none_is_accepted_but_rows_as_right(task: str, parts: int) -> None:
-    for mutant in token_mutants.mutants(task, parts):
+@pytest.mark.parametrize(("task", "stride"), [("gantry", 90), ("crane", 120)])
+def test_changed_tokens_of_integers_are_refused_unless_they_mean_the_same(task: str, stride: int) -> None:
+    for mutant in token_mutants.mutants(task, stride):
         if token_mutants.accepted(token_mutants.changed(mutant, task), task):
             assert token_mutants.same_meaning(mutant, task), mutant
 
 
 def integers_of(name: str, tmp_path: Path) -> tuple[checker.Task, checker.Integers, checker.Tube]:
-    arguments = lay_out(tmp_path, name, "fixed")
+    """Return the files of an example task in integers as the checker reads them."""
+    arguments = write_files(tmp_path, name, "fixed")
     task = checker.Task(Path(arguments[0]).read_bytes())
     source = checker.Integers(Path(arguments[1]).read_bytes(), task)
     tube = checker.Tube(source, task, json.loads(Path(arguments[2]).read_text())["grid"]["unit_bits"])
@@ -899,16 +915,16 @@ def integers_of(name: str, tmp_path: Path) -> tuple[checker.Task, checker.Intege
 
 
 @pytest.mark.parametrize("name", ["gantry", "crane"])
-def test_its_bound_on_integers_is_the_tools(name: str, tmp_path) -> None:
-    """From the listings here, from the Program there."""
+def test_checker_and_tool_have_the_same_error_in_integers(name: str, tmp_path) -> None:
+    """The checker reads the C, the tool its Program."""
     task, source, tube = integers_of(name, tmp_path)
     certificate = controller_of(name, "fixed").certificate
     assert source.moved(tube, 0) == list(certificate.edge_error)
     assert source.moved(tube, 1) == list(certificate.rate_error) if task.order == 2 else not certificate.rate_error
 
 
-def test_its_rows_of_the_curves_are_as_wrong_as_it_says(tmp_path) -> None:
-    """Every value that a row gives, at both ends of the place that it stands for, against 1/d and H in doubles."""
+def test_the_checkers_errors_of_the_table_of_curves_are_true_and_close(tmp_path) -> None:
+    """Every value that a row of the table gives, at both ends of the interval that it stands for, against 1/d and H in doubles."""
     _, source, _ = integers_of("gantry", tmp_path)
     over, rise, base = source.curves()
     t, places = np.arange(1 << 16), [int(v) for v in source.tables["places"]]
@@ -916,22 +932,22 @@ def test_its_rows_of_the_curves_are_as_wrong_as_it_says(tmp_path) -> None:
         level, slope, curved = (int(source.tables[k][row]) for k in ("levels", "slopes", "bends"))
         value = level - ((slope - (curved * t >> 16)) * t >> 17)
         octave, head = divmod(row - 16, 8)
-        for end in (0.0, 1.0 - 2.0**-14):
+        for offset in (0.0, 1.0 - 2.0**-14):
             if row < 16:
-                wrong, bound = value * (16 + row + (t + end) / 2**16) / 2**20 - 1, over
+                error, bound = value * (16 + row + (t + offset) / 2**16) / 2**20 - 1, over
             else:
-                e = 1 - (8 + head + (t + end) / 2**16) / 2 ** (4 + octave)
-                wrong, bound = value * 2.0 ** (places[row] - base) * e * (1 - e * e) / (8 * np.arctanh(e)) - 1, rise[row - 16][0]
-            assert np.abs(wrong).max() <= bound * (1 + 1e-9)
-            assert np.abs(wrong).max() >= bound / 3  # and not by far more
+                e = 1 - (8 + head + (t + offset) / 2**16) / 2 ** (4 + octave)
+                error, bound = value * 2.0 ** (places[row] - base) * e * (1 - e * e) / (8 * np.arctanh(e)) - 1, rise[row - 16][0]
+            assert np.abs(error).max() <= bound * (1 + 1e-9)
+            assert np.abs(error).max() >= bound / 3  # the bound is not far above the error
 
 
-def test_its_ranges_hold_u_within_its_limit_and_refuse_what_may_overflow(tmp_path) -> None:
+def test_the_checkers_ranges_bound_u_by_its_limit_and_refuse_what_may_overflow(tmp_path) -> None:
     _, source, _ = integers_of("gantry", tmp_path)
-    always = {"tick": (0, (1 << 32) - 1)}
-    source.body("control", dict(always))
-    pushes = [found[0] for key, found in source.seen.items() if key[0] == "push"]
-    assert pushes == [(0, int(max(source.tables["limits"])))]
+    any_tick = {"tick": (0, (1 << 32) - 1)}
+    source.body("control", dict(any_tick))
+    ranges_of_push = [results[0] for key, results in source.seen.items() if key[0] == "push"]
+    assert ranges_of_push == [(0, int(max(source.tables["limits"])))]
     for name, value in (
         ("coefficients", 1 << 29),
         ("levels", 100),
@@ -940,33 +956,34 @@ def test_its_ranges_hold_u_within_its_limit_and_refuse_what_may_overflow(tmp_pat
         ("offsets", 60),
         ("gains", 1 << 16),
     ):
-        kept = list(source.tables[name])
-        source.tables[name][-1], source.seen = Fraction(value), {}
+        original = list(source.tables[name])
+        source.tables[name][-1] = Fraction(value)
+        source.seen.clear()
         with pytest.raises(checker.Failed, match="beyond 32 bits|which it is not for|values beyond 65535"):
-            source.body("control", dict(always))
-        source.tables[name] = kept
+            source.body("control", dict(any_tick))
+        source.tables[name] = original
 
 
 @pytest.mark.parametrize("name", ["gantry", "crane"])
-def test_its_listings_reckon_what_the_emitted_python_does(name: str, tmp_path) -> None:
-    """Every kernel, for spans of one number each; so its ranges are about the statements that run."""
+def test_the_checkers_statements_compute_what_the_emitted_python_does(name: str, tmp_path) -> None:
+    """The checker computes every kernel with ranges of one number each, so its ranges are about the statements that run."""
     task, source, tube = integers_of(name, tmp_path)
     module = loaded(controller_of(name, "fixed").files[f"{name}.py"].decode())
-    dice, rows = Random("listings"), len(source.tables["levels"])
+    draw, row_count = Random("listings"), len(source.tables["levels"])
 
-    def one(kernel: str, *given: int) -> tuple[int, ...]:
-        found = source.body(kernel, dict(zip(source.params[kernel], ((v, v) for v in given), strict=True)))
-        assert all(low == high for low, high in found)
-        return tuple(low for low, _ in found)
+    def run_in_checker(kernel: str, *inputs: int) -> tuple[int, ...]:
+        results = source.body(kernel, dict(zip(source.params[kernel], ((v, v) for v in inputs), strict=True)))
+        assert all(low == high for low, high in results)
+        return tuple(low for low, _ in results)
 
     for _ in range(200):
-        tick, s, t = dice.choice((dice.randrange(5000), 2**32 - 1)), dice.randrange(1 << 16), dice.randrange(1 << 16)
+        tick, s, t = draw.choice((draw.randrange(5000), 2**32 - 1)), draw.randrange(1 << 16), draw.randrange(1 << 16)
         weights = [
             v[s] for kernel in ("weights", "rates")[: task.order] for v in checker.every(kernel, tuple(source.listings[kernel]))
         ]
-        at, row = dice.randrange(tube.segments * 2 * task.n), dice.randrange(rows)
-        push = [dice.randrange(1 << 30), *(dice.randrange(1 << 15, 1 << 16) for _ in range(3)), dice.randrange(20), 1 << 25]
+        at, row = draw.randrange(tube.segments * 2 * task.n), draw.randrange(row_count)
+        push = [draw.randrange(1 << 30), *(draw.randrange(1 << 15, 1 << 16) for _ in range(3)), draw.randrange(20), 1 << 25]
         for kernel, values in (("segment", [tick]), ("edge", [at, *weights]), ("curve", [row, t]), ("push", push)):
-            told = getattr(module, f"_{kernel}")(*values)
-            assert one(kernel, *values) == (told if isinstance(told, tuple) else (told,))
+            emitted = getattr(module, f"_{kernel}")(*values)
+            assert run_in_checker(kernel, *values) == (emitted if isinstance(emitted, tuple) else (emitted,))
         assert [w for kernel in ("weights", "rates")[: task.order] for w in getattr(module, f"_{kernel}")(s)] == weights

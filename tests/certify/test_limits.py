@@ -1,4 +1,4 @@
-"""P8: a task whose u is limited and whose plant has bounds gets a tube that needs no more, or is told what would do."""
+"""P8, limits: a task with u_max and plant bounds gets a tube whose motion needs no more than u_max, or a refusal with a remedy."""
 
 from __future__ import annotations
 
@@ -41,33 +41,35 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 
 
 def task_with(control: dict[str, Any], plant: dict[str, Any], **more: Any) -> Task:
+    """Return the task omni_s2 with another [control] and [plant]."""
     return controller_of("omni_s2").task.changed(control=control, plant=plant, **more)
 
 
-def eighth(certificate: Certificate) -> Any:
-    (found,) = (f for f in certificate.findings if f.code == "P8")
-    return found
+def limits_finding(certificate: Certificate) -> Any:
+    """Return the certificate's finding of P8."""
+    (finding,) = (f for f in certificate.findings if f.code == "P8")
+    return finding
 
 
-def claimed(task: Task, made: EmittedController, certificate: Certificate, folder: Path) -> list[str]:
-    """The files, with a certificate that claims success."""
-    files = render(task, made.design, made.program, certificate)
+def write_with_claim(task: Task, controller: EmittedController, certificate: Certificate, folder: Path) -> list[str]:
+    """Write the controller's files with a certificate that claims success, and return the checker's arguments."""
+    files = render(task, controller.design, controller.program, certificate)
     proof = f"{task.name}.certificate.json"
     files[proof] = json.dumps({**json.loads(files[proof]), "certified": True}).encode()
     for name, data in files.items():
         (folder / name).write_bytes(data)
-    (folder / "task.toml").write_text(told(task))
+    (folder / "task.toml").write_text(task_file_text(task))
     return [str(folder / name) for name in ("task.toml", f"{task.name}.c", proof)]
 
 
-def told(task: Task) -> str:
-    """The task file of omni_s2 with another [control] and [plant]."""
+def task_file_text(task: Task) -> str:
+    """Return the text of omni_s2's task file with the [control], [plant] and [emit] of this task."""
     text = (Path(__file__).parents[2] / "tasks" / "omni_s2.toml").read_text()
     head = text[: text.index("[control]")]
 
     def table(name: str, fields: Any) -> str:
-        shown = {k: v for k, v in fields if v is not None and k in fields_of[name]}
-        lines = [f"{k} = {[float(x) for x in v] if isinstance(v, tuple) else float(v)}" for k, v in shown.items()]
+        stated = {k: v for k, v in fields if v is not None and k in fields_of[name]}
+        lines = [f"{k} = {[float(x) for x in v] if isinstance(v, tuple) else float(v)}" for k, v in stated.items()]
         return "\n".join([f"[{name}]", *lines, ""])
 
     fields_of = {"control": task.control.model_fields_set, "plant": task.plant.model_fields_set}
@@ -76,59 +78,61 @@ def told(task: Task) -> str:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_tube_needs_no_more_than_u_max(name: str, tmp_path: Path) -> None:
-    """Seen densely at the exact edges; the checker finds the same number."""
+def test_the_tube_needs_no_more_input_than_u_max(name: str, tmp_path: Path) -> None:
+    """The certified margin is no larger than the exact edges show at 20,001 times; the checker computes the same margin."""
     task = task_with(*CASES[name])
-    made = built(task)
-    finding = eighth(made.certificate)
+    controller = built(task)
+    finding = limits_finding(controller.certificate)
     t = np.linspace(0, 9, 20001)
-    low, high = made_rates(made, t)
-    spare = np.array([float(v) for v in control_authority(task)])
-    assert (low.max(axis=0) < spare).all()
-    assert (-high.min(axis=0) < spare).all()
-    seen = min((spare - low.max(axis=0)).min(), (spare + high.min(axis=0)).min())
-    assert 0 < float(finding.margin) <= seen + 1e-9  # Bezier coefficients bound what is seen between them
-    assert checker.main(claimed(task, made, made.certificate, tmp_path)) == 0
+    lower_rate, upper_rate = edge_rates(controller, t)
+    authority = np.array([float(v) for v in control_authority(task)])
+    assert (lower_rate.max(axis=0) < authority).all()
+    assert (-upper_rate.min(axis=0) < authority).all()
+    sampled_margin = min((authority - lower_rate.max(axis=0)).min(), (authority + upper_rate.min(axis=0)).min())
+    assert 0 < float(finding.margin) <= sampled_margin + 1e-9  # the certificate bounds rates by their Bezier coefficients
+    assert checker.main(write_with_claim(task, controller, controller.certificate, tmp_path)) == 0
 
 
-def made_rates(made: EmittedController, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rates of the exact edges by differences of the spline's control points."""
-    assert isinstance(made.design, RefinedDesign)
-    table = made.design.integers() * float(made.design.unit)
-    k = np.minimum((t / 9 * made.design.segments).astype(int), made.design.segments - 1)
-    s = t / 9 * made.design.segments - k
+def edge_rates(controller: EmittedController, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rates of the exact lower and upper edges at times t within [0, 9], from differences of the control points."""
+    assert isinstance(controller.design, RefinedDesign)
+    table = controller.design.integers() * float(controller.design.unit)
+    k = np.minimum((t / 9 * controller.design.segments).astype(int), controller.design.segments - 1)
+    s = t / 9 * controller.design.segments - k
     weights = np.stack([-3 * (1 - s) ** 2, 9 * s**2 - 12 * s, -9 * s**2 + 6 * s + 3, 3 * s**2])
-    rates = sum(weights[j][:, None, None] * table[k + j] for j in range(4)) * made.design.segments / 9
+    rates = sum(weights[j][:, None, None] * table[k + j] for j in range(4)) * controller.design.segments / 9
     return rates[..., 0], rates[..., 1]
 
 
 def test_a_tube_that_is_too_fast_for_its_limit_is_refused_by_both(tmp_path: Path) -> None:
-    """Tubes of a task without limits, judged by ever lower ones: tool and checker agree, and turn where the fastest edge is."""
+    """A tube of a task without limits, certified with ever lower limits: tool and checker agree, and refuse from some limit on."""
     free = controller_of("omni_s2")
     fastest = max(float(v) for v in free.certificate.speed)
-    answers = []
+    are_accepted = []
     for k, factor in enumerate((2.0, 1.1, 1.001, 0.999, 0.9, 0.5)):
         task = task_with({"u_max": f"{0.3 + factor * fastest:.6f}"}, {"w_max": "0.3"})
         certificate = certify(task, free.design, build_program(task, free.design))
         folder = tmp_path / str(k)
         folder.mkdir()
-        answer = checker.main(
-            claimed(task, dataclasses.replace(free, task=task, program=build_program(task, free.design)), certificate, folder)
+        exit_code = checker.main(
+            write_with_claim(
+                task, dataclasses.replace(free, task=task, program=build_program(task, free.design)), certificate, folder
+            )
         )
-        assert (answer == 0) == certificate.holds == eighth(certificate).holds
-        answers.append(answer == 0)
-    assert answers[0]
-    assert not answers[-1]
-    assert answers == sorted(answers, reverse=True)
+        assert (exit_code == 0) == certificate.holds == limits_finding(certificate).holds
+        are_accepted.append(exit_code == 0)
+    assert are_accepted[0]
+    assert not are_accepted[-1]
+    assert are_accepted == sorted(are_accepted, reverse=True)
 
 
-def test_p8_is_asked_for_only_where_limits_and_a_plant_are_stated_without_a_period() -> None:
+def test_p8_is_required_only_where_limits_and_a_plant_are_stated_without_a_period() -> None:
     for control, plant in (({"u_max": "1"}, {}), ({}, {"w_max": "0.1"}), ({"u_max": "2"}, {"noise": "0.001"})):
-        made = built(task_with(control, plant))
-        assert not [f for f in made.certificate.findings if f.code == "P8"]
-        assert made.design == controller_of("omni_s2").design  # nothing else is asked of the tube
+        controller = built(task_with(control, plant))
+        assert not [f for f in controller.certificate.findings if f.code == "P8"]
+        assert controller.design == controller_of("omni_s2").design  # the tube has no further condition
     sampled = built(task_with({"u_max": "1.3", "gain": "0.05", "period": "0.02"}, {"w_max": "0.3"}))
-    assert not [f for f in sampled.certificate.findings if f.code == "P8"]  # P9 asks for more
+    assert not [f for f in sampled.certificate.findings if f.code == "P8"]  # P9 implies it
 
 
 @pytest.mark.parametrize(
@@ -139,75 +143,76 @@ def test_p8_is_asked_for_only_where_limits_and_a_plant_are_stated_without_a_peri
         ({"u_max": "0.9"}, {"f_max": "0.1", "w_max": "0.2"}),
     ],
 )
-def test_what_a_refusal_advises_does(control: dict[str, str], plant: dict[str, str]) -> None:
+def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant: dict[str, str]) -> None:
     task = task_with(control, plant)
     with pytest.raises(
         stt.NotCertified, match=r"limits \(P8\): no tube was found within control.u_max 0\.\d+; raise control.u_max to"
-    ) as e:
+    ) as refusal:
         built(task)
-    said = str(e.value)
-    assert built(task.changed(control={"u_max": re.findall(r"u_max to ([\d.]+)", said)[0]})).certificate.holds
-    for longer in re.findall(r"prescribed_time to ([\d.]+)", said):
+    message = str(refusal.value)
+    assert built(task.changed(control={"u_max": re.findall(r"u_max to ([\d.]+)", message)[0]})).certificate.holds
+    for longer in re.findall(r"prescribed_time to ([\d.]+)", message):
         assert built(task.changed(prescribed_time=longer)).certificate.holds
-    milder = dict(re.findall(r"plant\.(\w+) to ([\d.]+\d)", said))
-    if milder:
-        assert built(task.changed(plant=milder)).certificate.holds
+    milder_bounds = dict(re.findall(r"plant\.(\w+) to ([\d.]+\d)", message))
+    if milder_bounds:
+        assert built(task.changed(plant=milder_bounds)).certificate.holds
 
 
-def test_a_saturated_law_keeps_the_state_where_prove_says_so() -> None:
-    """A high gain that saturates most of the time, pushed as hard as the bounds allow, in practice continuous."""
+def test_a_saturated_law_keeps_the_state_inside_where_saturation_is_proved() -> None:
+    """The gain is so high that u saturates most of the time; the disturbance is the strongest; u changes 20,000 times a second."""
     task = task_with({"u_max": "1", "gain": "5"}, {"w_max": "0.3"})
-    made = built(task)
-    analysis = Analysis(made)
-    (free,) = (h for h in analysis.hypotheses() if h.name == "saturation")
-    assert free.holds
-    loop = Loop(made, PLANTS["integrator"])
+    controller = built(task)
+    analysis = Analysis(controller)
+    (saturation,) = (h for h in analysis.hypotheses() if h.name == "saturation")
+    assert saturation.holds
+    loop = Loop(controller, PLANTS["integrator"])
     for kind in KINDS[1:]:
         run = loop.run(Scenario(rate=20000.0, disturbance=kind, strength=0.3, seed=1))
         assert run.kept, kind
         assert max(run.u) <= 1
-    law = analysis.setting.with_law
+    with_law = analysis.setting.with_law
     assert holds_saturated(analysis.setting)
-    assert not holds_saturated(law(gain=np.full(2, 1e-4)))  # asks for too little even at the clamp
-    assert not holds_saturated(law(u_max=np.full(2, 0.3 + 0.9 * float(min(made.certificate.speed)))))
+    assert not holds_saturated(with_law(gain=np.full(2, 1e-4)))  # |u| is too small even at the largest |e|
+    assert not holds_saturated(with_law(u_max=np.full(2, 0.3 + 0.9 * float(min(controller.certificate.speed)))))
 
 
-def test_what_is_needed_is_needed() -> None:
-    """Where P8 fails the state is pushed out at that edge, whatever the gain."""
-    free = controller_of("omni_s2")
-    speed = min(float(v) for v in free.certificate.speed)
+def test_where_p8_fails_the_state_leaves_whatever_the_gain() -> None:
+    """Half of the tube's speed is more than the input has left, so the disturbance pushes the state out, at a gain of 20 too."""
+    unlimited = controller_of("omni_s2")
+    speed = min(float(v) for v in unlimited.certificate.speed)
     task = task_with({"u_max": f"{0.3 + 0.5 * speed:.4f}", "gain": "20"}, {"w_max": "0.3"})
-    design = design_tube(free.task)
+    design = design_tube(unlimited.task)
     program = build_program(task, design)
     assert not certify(task, design, program).holds
-    made = dataclasses.replace(
-        free, task=task, program=program, files=render(task, design, program, certify(task, design, program))
+    controller = dataclasses.replace(
+        unlimited, task=task, program=program, files=render(task, design, program, certify(task, design, program))
     )
     runs = [
-        Loop(made, PLANTS["integrator"]).run(Scenario(rate=20000.0, disturbance=kind, strength=0.3, seed=1)) for kind in KINDS[1:]
+        Loop(controller, PLANTS["integrator"]).run(Scenario(rate=20000.0, disturbance=kind, strength=0.3, seed=1))
+        for kind in KINDS[1:]
     ]
     assert any(not run.kept for run in runs)
 
 
 def test_the_header_says_what_is_proved() -> None:
-    made = built(task_with(*CASES["pushed"]))
-    assert b"enough to hold the state in it (P8)" in made.files["omni_s2.h"]
-    assert Fraction(1, 1) == made.task.u_max[0]  # type: ignore[index]
+    controller = built(task_with(*CASES["pushed"]))
+    assert b"enough to hold the state in it (P8)" in controller.files["omni_s2.h"]
+    assert Fraction(1, 1) == controller.task.u_max[0]  # type: ignore[index]
 
 
-def test_a_plant_that_leaves_nothing_to_spare_is_refused() -> None:
+def test_a_plant_that_leaves_no_input_for_the_tube_is_refused() -> None:
     for cross in ("1", "2"):
         with pytest.raises(stt.NotCertified, match=r"limits \(P8\)"):
             built(task_with({"u_max": "3"}, {"g_cross": cross}))
 
 
-def test_a_gain_that_asks_for_too_little_is_not_saturation_free() -> None:
-    made = built(task_with({"u_max": "1", "gain": "1e-12"}, {"w_max": "0.3"}))
-    (free,) = (h for h in Analysis(made).hypotheses() if h.name == "saturation")
-    assert not free.holds
+def test_a_gain_that_is_too_low_to_reach_the_limit_has_no_proof_of_saturation() -> None:
+    controller = built(task_with({"u_max": "1", "gain": "1e-12"}, {"w_max": "0.3"}))
+    (saturation,) = (h for h in Analysis(controller).hypotheses() if h.name == "saturation")
+    assert not saturation.holds
 
 
-# ------------------------------------------------------------------------------------------------ u scaled as a whole
+# ------------------------------------------------------------------------------------------------ the vector u scaled to its limit
 
 SCALED = """
 name = "scaled"
@@ -222,46 +227,48 @@ plant = { g_min = 0.37, g_max = 4.7 }
 
 
 def coupled(u: Any) -> Any:
+    """Return g(u) of a plant whose inputs are much coupled; it is positive definite."""
     return [[1, 1.5], [1.5, 4]]
 
 
 def test_scaled_u_stays_where_clipped_u_leaves() -> None:
-    """g = [[1, 1.5], [1.5, 4]], definite and much coupled: from the same starts the clipped law leaves the tube, the scaled never
-    does; `prove` says "saturation: yes" of the scaled one."""
+    """From the same starts the clipped law leaves the tube and the scaled law never does; only the scaled one has a proof."""
     scaled = built(parse_task(SCALED))
     clipped = built(parse_task(SCALED.replace(', saturate = "scale"', "").replace("g_max = 4.7", "g_max = 4.7, g_cross = 0")))
     plant = Plant(name="coupled", dimension=2, drift=lambda x: [0, 0], input_matrix=coupled)
     saturation = next(h for h in Analysis(scaled, plant).hypotheses() if h.name == "saturation")
     assert saturation.holds
     assert not next(h for h in Analysis(clipped, plant).hypotheses() if h.name == "saturation").holds
-    draw, left = np.random.default_rng(4), [0, 0]
+    draw, left_counts = np.random.default_rng(4), [0, 0]
     starts = [(0.9, -0.97), *(tuple(draw.uniform(-0.98, 0.98, size=2).tolist()) for _ in range(40))]
     for k, controller in enumerate((scaled, clipped)):
         loop = Loop(controller, plant)
         runs = [loop.run(Scenario(rate=2000.0, start=start)) for start in starts]
-        left[k] = sum(not run.kept for run in runs)
+        left_counts[k] = sum(not run.kept for run in runs)
         assert max(max(run.u) for run in runs) <= 1.0
-    assert left[0] == 0
-    assert left[1] > 0
+    assert left_counts[0] == 0
+    assert left_counts[1] > 0
 
 
 def test_a_scaled_u_keeps_its_direction() -> None:
     controller = built(parse_task(SCALED + 'emit = { scalar = "double" }'))
-    free = built(parse_task(SCALED.replace('u_max = 1.0, saturate = "scale"', "u_max = 1e6") + 'emit = { scalar = "double" }'))
-    own, other = (load_module("scaled", c.files["scaled.py"]) for c in (controller, free))
+    without_limit = built(
+        parse_task(SCALED.replace('u_max = 1.0, saturate = "scale"', "u_max = 1e6") + 'emit = { scalar = "double" }')
+    )
+    scaled, unlimited = (load_module("scaled", c.files["scaled.py"]) for c in (controller, without_limit))
     draw = np.random.default_rng(0)
-    some = set()
+    is_scaled = set()
     for _ in range(300):
         x = draw.uniform(-1.3, 1.3, size=2)
-        (_, u), (_, law) = own.control(1.0, x), other.control(1.0, x)
-        largest = max(map(abs, law))
-        some.add(largest > 1)
-        assert np.allclose(u, np.array(law) * min(1.0, 1.0 / max(largest, 1e-300)), rtol=1e-12, atol=1e-15)
+        (_, u), (_, unscaled_u) = scaled.control(1.0, x), unlimited.control(1.0, x)
+        largest = max(map(abs, unscaled_u))
+        is_scaled.add(largest > 1)
+        assert np.allclose(u, np.array(unscaled_u) * min(1.0, 1.0 / max(largest, 1e-300)), rtol=1e-12, atol=1e-15)
         assert max(map(abs, u)) <= 1.0
-    assert some == {True, False}
+    assert is_scaled == {True, False}
 
 
-def test_backends_and_checker_know_a_scaled_u(tmp_path: Path) -> None:
+def test_backends_agree_on_a_scaled_u_and_the_checker_refuses_another(tmp_path: Path) -> None:
     (tmp_path / "task.toml").write_text(SCALED)
     controller = built(parse_task(SCALED))
     for name, data in controller.files.items():
@@ -288,7 +295,7 @@ def test_backends_and_checker_know_a_scaled_u(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "message"),
     [
         ("u_max = 1.0, ", "", "control.u_max"),
         ("u_max = 1.0", "u_max = [1.0, 2.0]", "one number"),
@@ -298,13 +305,13 @@ def test_backends_and_checker_know_a_scaled_u(tmp_path: Path) -> None:
         ("g_min = 0.37", "order = 2, g_min = 0.37", "order 1"),
     ],
 )
-def test_what_cannot_be_scaled_is_refused(old: str, new: str, told: str) -> None:
-    with pytest.raises(BadInput, match=told):
+def test_what_cannot_be_scaled_is_refused(old: str, new: str, message: str) -> None:
+    with pytest.raises(BadInput, match=message):
         parse_task(SCALED.replace(old, new))
 
 
 def test_a_tube_for_a_scaled_u_moves_no_faster_than_the_norm_allows() -> None:
-    """Either edge, either way, within (g_min u_max - f_max - w_max)/sqrt(n); and one unit more in P8's room is missing."""
+    """Both edges move no faster than (g_min u_max - f_max - w_max)/sqrt(n), which `control_authority` rounds down."""
     text = SCALED.replace(
         "target_set = { lower = [-1.2, -1.2], upper = [1.2, 1.2] }", "target_set = { lower = [0, 0], upper = [2, 2] }"
     )
@@ -330,10 +337,10 @@ def test_a_tube_for_a_scaled_u_moves_no_faster_than_the_norm_allows() -> None:
         ("g_min = 0.37, g_max = 4.7, f_max = 0.3", 0.2, True),
     ],
 )
-def test_what_a_scaled_u_holds_against_is_told_by_norms(plant: str, drift: float, covered: bool) -> None:
+def test_a_plant_is_covered_for_a_scaled_u_by_its_norms(plant: str, drift: float, covered: bool) -> None:
     controller = built(parse_task(SCALED.replace("g_min = 0.37, g_max = 4.7", plant)))
-    own = Plant(name="coupled", dimension=2, drift=lambda x: [drift, drift], input_matrix=coupled)
-    assert Analysis(controller, own).is_covered == covered
+    user_plant = Plant(name="coupled", dimension=2, drift=lambda x: [drift, drift], input_matrix=coupled)
+    assert Analysis(controller, user_plant).is_covered == covered
 
 
 def test_the_worst_plants_for_a_scaled_u_are_within_the_norms() -> None:

@@ -1,4 +1,5 @@
-"""A certificate is about a tube that fits its task: what is no tube, or is a tube for another task, is refused in one message."""
+"""A tube is certified only for a task of its shape: anything else is refused with one message, and so is a task with a demand
+that the tube's kind does not fulfil."""
 
 from __future__ import annotations
 
@@ -25,7 +26,7 @@ TASKS = {path.stem: load_task(path) for path in TASK_FILES}
 PLAIN = TASKS["omni_s2"]
 WITH_LIMITS = {"control": {"u_max": 3}, "plant": {"w_max": Fraction(1, 10)}}
 BALL = {"name": "ball", "centre": [2, 2], "radius": Fraction(1, 10)}
-# By capability: what makes the plain task demand it.
+# By capability: a change of the plain task by which the task demands it.
 CHANGES: dict[str, dict[str, Any]] = {
     "avoids_any_shape": {"unsafe": [BALL]},
     "bounds_acceleration": {"tube": {"max_acceleration": 9}},
@@ -47,19 +48,20 @@ CHANGES: dict[str, dict[str, Any]] = {
     "scales_input": {"control": {"saturate": "scale", "u_max": 3}},
     "waits_outside": {"control": {"outside": "stop"}},
 }
-# Commands, reports and interfaces ask for these, not a task.
-ABOUT_NO_TASK = {"accepts_user_tubes", "has_exact_claims", "emits_covered_starts", "unread_options"}
-ABOUT_NO_TASK |= {"has_cycle_estimate", "runs_in_ros2_and_fmu"}
+# Capabilities that commands, reports and interfaces need, and no task demands.
+DEMANDED_BY_NO_TASK = {"accepts_user_tubes", "has_exact_claims", "emits_covered_starts", "unread_options"}
+DEMANDED_BY_NO_TASK |= {"has_cycle_estimate", "runs_in_ros2_and_fmu"}
 
 
 def tube_like(task: Task) -> RefinedDesign:
-    """Return a refined tube of the dimension, the order, the time and the cycle of a task, whatever its edges are."""
+    """Return a refined tube with dimension, order, time and cycle of the task; its edges fit no task."""
     n = task.dimension
     filter_ = (Fraction(1),) * n if task.order == 2 else ()
     return RefinedDesign(task.prescribed_time, 4, 20, (((0, 1),) * n,) * 7, filter=filter_, seam=0 if task.repeat else None)
 
 
-def stated(task: Task) -> tuple[object, ...]:
+def shape_of_task(task: Task) -> tuple[object, ...]:
+    """Return what a tube must share with its task."""
     return task.dimension, task.order, task.prescribed_time, task.repeat
 
 
@@ -67,7 +69,7 @@ def stated(task: Task) -> tuple[object, ...]:
 def test_a_tube_is_certified_for_a_task_of_its_shape_alone(name: str) -> None:
     tube = tube_like(TASKS[name])
     for task in TASKS.values():
-        if stated(task) == stated(TASKS[name]):
+        if shape_of_task(task) == shape_of_task(TASKS[name]):
             require_design_for(task, tube)
             continue
         for entry in (api.certify, lambda task, tube: build_task(task, uncertified=True, tube=tube)):
@@ -76,10 +78,10 @@ def test_a_tube_is_certified_for_a_task_of_its_shape_alone(name: str) -> None:
 
 
 @pytest.mark.parametrize("value", ["x", [1, 2], 3, PLAIN, RefinedDesign, None])
-def test_what_is_no_tube_is_one_message(value: Any) -> None:
+def test_a_value_that_is_no_tube_is_refused_with_one_message(value: Any) -> None:
     with pytest.raises(BadInput, match=r"^tube: is a \w+; a design is needed"):
         api.certify(PLAIN, value)
-    if value is not None:  # the pipeline searches for one
+    if value is not None:  # with None the pipeline designs a tube
         with pytest.raises(BadInput, match=r"^tube: is a \w+; a design is needed"):
             build_task(PLAIN, tube=value)
 
@@ -108,7 +110,7 @@ def test_what_is_no_tube_is_one_message(value: Any) -> None:
     ],
     ids=str,
 )
-def test_a_refined_design_has_numbers_that_fix_a_tube(changed: dict[str, Any]) -> None:
+def test_a_refined_design_with_numbers_that_fix_no_tube_is_refused(changed: dict[str, Any]) -> None:
     with pytest.raises(BadInput, match=r"^tube: "):
         dataclasses.replace(tube_like(PLAIN), **changed)
 
@@ -127,12 +129,13 @@ def test_a_refined_design_has_numbers_that_fix_a_tube(changed: dict[str, Any]) -
     ],
     ids=str,
 )
-def test_an_adaptive_design_has_numbers_that_fix_a_tube(changed: dict[str, Any]) -> None:
+def test_an_adaptive_design_with_numbers_that_fix_no_tube_is_refused(changed: dict[str, Any]) -> None:
     with pytest.raises(BadInput, match=r"^tube: "):
         dataclasses.replace(adaptive_tube(), **changed)
 
 
 def adaptive_tube() -> AdaptiveDesign:
+    """Return the adaptive tube of an example."""
     design = _adaptive().design
     assert isinstance(design, AdaptiveDesign)
     return design
@@ -142,11 +145,11 @@ def adaptive_tube() -> AdaptiveDesign:
 
 
 def test_every_capability_has_its_demand() -> None:
-    assert DEMANDS.keys() == CHANGES.keys() == set(Capabilities.__dataclass_fields__) - ABOUT_NO_TASK
+    assert DEMANDS.keys() == CHANGES.keys() == set(Capabilities.__dataclass_fields__) - DEMANDED_BY_NO_TASK
 
 
 def is_refused(task: Task, kind: DesignKind) -> bool:
-    """Return whether the checks of single fields, or of the pipeline, refuse the task with a tube of the kind."""
+    """Return whether the pipeline, or a check of a single field, refuses the task with a tube of the kind."""
     try:
         require_supported(task.with_options(kind))
     except BadInput:
@@ -156,8 +159,8 @@ def is_refused(task: Task, kind: DesignKind) -> bool:
 
 @pytest.mark.parametrize("capability", CHANGES)
 @pytest.mark.parametrize("kind", CAPABILITIES)
-def test_a_demand_that_a_kind_does_not_fulfil_reaches_no_certifier(capability: str, kind: DesignKind) -> None:
-    """Even if no check of a field had refused it: the task goes straight to the certifier."""
+def test_a_certifier_refuses_a_demand_that_the_kind_does_not_fulfil(capability: str, kind: DesignKind) -> None:
+    """The task goes straight to the certifier, as if no check of a field had refused it."""
     task = PLAIN.changed(**CHANGES[capability])
     assert DEMANDS[capability].applies_to(task)
     assert not DEMANDS[capability].applies_to(PLAIN)
@@ -174,7 +177,7 @@ def test_a_demand_that_a_kind_does_not_fulfil_reaches_no_certifier(capability: s
 
 @pytest.mark.parametrize("name", TASKS)
 @pytest.mark.parametrize("kind", CAPABILITIES)
-def test_the_second_defence_refuses_what_the_first_does(name: str, kind: DesignKind) -> None:
+def test_example_tasks_are_refused_with_a_kind_exactly_where_it_lacks_a_capability(name: str, kind: DesignKind) -> None:
     offers_all = all(
         getattr(CAPABILITIES[kind], capability) or not demand.applies_to(TASKS[name]) for capability, demand in DEMANDS.items()
     )
