@@ -1,4 +1,4 @@
-"""P7: the bound on the emitted arithmetic holds where it is hardest, and says something."""
+"""P7, arithmetic: the bound on rounding in the emitted code holds where rounding is worst, and is not far above it."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task.load import load_task
 from tests.certify.test_certificate import exact_edges
-from tests.support.controllers import controller_of
+from tests.support.controllers import ROOT, controller_of
 
 
 def steep_design(segments: int, t_c: Fraction = Fraction(9)) -> RefinedDesign:
-    """A tube as steep as a table of full height allows: control points jump between both ends from point to point."""
+    """Return a design that is as steep as its table can be: neighbouring control points jump by its full height."""
     random = np.random.default_rng(segments)
     table = random.integers(-(2**23), 2**23, (segments + 3, 2, 2))
     table[-1] = table[-3]
     return RefinedDesign(t_c, segments, 20, tuple(tuple((int(a), int(b)) for a, b in row) for row in table))
 
 
-def float32_place(t: np.float32, design: RefinedDesign) -> tuple[int, np.float32, np.float32]:
-    """Segment, place s and spline time u, computed as the emitted code does, one float32 operation at a time."""
+def float32_segment(t: np.float32, design: RefinedDesign) -> tuple[int, np.float32, np.float32]:
+    """Return segment, local time s and spline time u, computed like the emitted code, one float32 operation at a time."""
     rate = np.float32(float(design.segments / design.prescribed_time))
     end = np.nextafter(np.float32(design.segments), np.float32(0))
     u = (t if t > 0 else np.float32(0)) * rate
@@ -40,34 +40,40 @@ def float32_place(t: np.float32, design: RefinedDesign) -> tuple[int, np.float32
 
 
 def hard_times(design: RefinedDesign) -> list[np.float32]:
+    """Return times at, just below and just above the ends of all segments, and 500 random ones."""
     t_c = float(design.prescribed_time)
-    near = [np.float32(k * t_c / design.segments) for k in range(design.segments + 1)]
-    up, down = ([np.nextafter(v, np.float32(s)) for v in near] for s in (1e9, -1e9))
-    return [*near, *up, *down, *np.random.default_rng(1).uniform(0, t_c * 1.0001, 500).astype(np.float32)]
+    ends_of_segments = [np.float32(k * t_c / design.segments) for k in range(design.segments + 1)]
+    just_above, just_below = ([np.nextafter(v, np.float32(s)) for v in ends_of_segments] for s in (1e9, -1e9))
+    return [
+        *ends_of_segments,
+        *just_above,
+        *just_below,
+        *np.random.default_rng(1).uniform(0, t_c * 1.0001, 500).astype(np.float32),
+    ]
 
 
 @pytest.mark.parametrize("segments", [4, 32, 1000])
 @pytest.mark.parametrize("t_c", [Fraction(9), Fraction("0.7"), Fraction(1, 3)])
-def test_the_spline_time_is_within_its_bound_and_uses_a_tenth_of_it(segments: int, t_c: Fraction) -> None:
+def test_the_error_of_the_spline_time_is_between_a_tenth_of_its_bound_and_the_bound(segments: int, t_c: Fraction) -> None:
     design = steep_design(segments, t_c)
     bound = time_error(design, "float")
     worst = Fraction(0)
     for t in hard_times(design):
         true = min(max(Fraction(float(t)), Fraction(0)), t_c) * segments / t_c
-        worst = max(worst, abs(Fraction(float(float32_place(t, design)[2])) - true))
+        worst = max(worst, abs(Fraction(float(float32_segment(t, design)[2])) - true))
     assert bound / 10 <= worst <= bound
 
 
 @pytest.mark.parametrize("segments", [4, 1000])
-def test_the_edge_of_the_steepest_tube_is_within_its_bound_and_says_something(segments: int) -> None:
-    """With 1000 segments the time half of the bound is 50 times the other, with 4 the evaluation half counts too."""
+def test_the_error_of_the_steepest_edge_is_between_a_fortieth_of_its_bound_and_the_bound(segments: int) -> None:
+    """With 1000 segments the bound is mostly about the time; with 4 segments the rounding of the evaluation counts too."""
     design = steep_design(segments)
-    task = load_task_of(design)
+    task = task_for(design)
     bound = edge_error(design, build_program(task, design))
     worst = [Fraction(0)] * 2
     unit = np.float32(float(design.unit))
     for t in hard_times(design)[-900:]:
-        k, s, _ = float32_place(t, design)
+        k, s, _ = float32_segment(t, design)
         r = np.float32(1) - s
         h = np.float32(3) * (np.float32(1) + r * s)
         w = [r * r * r, np.float32(1) + r * h, np.float32(1) + s * h, s * s * s]
@@ -83,9 +89,8 @@ def test_the_edge_of_the_steepest_tube_is_within_its_bound_and_says_something(se
         assert bound[i] / 40 <= worst[i] <= bound[i]
 
 
-def load_task_of(design: RefinedDesign):
-    from tests.support.controllers import ROOT
-
+def task_for(design: RefinedDesign):
+    """Return the task omni_s2 with the design's prescribed time."""
     return load_task(ROOT / "tasks" / "omni_s2.toml").model_copy(update={"prescribed_time": design.prescribed_time})
 
 
@@ -98,19 +103,19 @@ def test_bounds_of_the_task_are_rounded_to_the_safe_side_of_the_grid() -> None:
 
 
 def test_a_state_space_less_than_a_unit_too_small_is_refused() -> None:
-    """The upper wall is put exactly where the tube touches it with P7's margin, then half a grid unit lower."""
+    """The upper wall is one unit above the tube and its rounding error, which holds, then half a unit below that limit."""
     controller = controller_of("omni_s1")
     design, error = controller.design, controller.certificate.edge_error
-    top = tuple(int(v) * design.unit + max(error) for v in design.bezier()[:, :, 1].max(axis=(0, 2)))
+    highest = tuple(int(v) * design.unit + max(error) for v in design.bezier()[:, :, 1].max(axis=(0, 2)))
     unit = design.unit
     for shift, holds in ((unit, True), (-unit / 2, False)):
-        space = controller.task.state_space.model_copy(update={"upper": tuple(v + shift for v in top)})
+        space = controller.task.state_space.model_copy(update={"upper": tuple(v + shift for v in highest)})
         task = controller.task.model_copy(update={"state_space": space})
         finding = next(f for f in certify_refined(task, design, error).findings if f.code == "P3")
         assert finding.holds == holds
 
 
-def test_the_margin_demanded_is_the_worst_dimensions() -> None:
+def test_the_required_margin_is_that_of_the_dimension_with_the_largest_error() -> None:
     controller = controller_of("omni_s1")
     unit = controller.design.unit  # errors count in whole units of the table
     small, large = Fraction(1, 10**9), math.ceil(Fraction(1, 100) / unit) * unit
@@ -126,18 +131,18 @@ def test_the_fastest_dimension_decides_about_max_speed() -> None:
     for limit, holds in (((low + high) / 2, False), (high, True)):
         tube = controller.task.tube.model_copy(update={"max_speed": limit})
         task = controller.task.model_copy(update={"tube": tube})
-        found = certify_refined(task, controller.design, controller.certificate.edge_error)
-        assert next(f for f in found.findings if f.code == "P6").holds == holds
+        certificate = certify_refined(task, controller.design, controller.certificate.edge_error)
+        assert next(f for f in certificate.findings if f.code == "P6").holds == holds
 
 
-def test_p7_is_the_least_room_above_what_is_required() -> None:
+def test_p7_is_the_smallest_difference_of_margin_and_required_margin() -> None:
     controller = controller_of("omni_s2", "float")
-    *others, p7 = certify(controller.task, controller.design, controller.program).findings
+    *findings, p7 = certify(controller.task, controller.design, controller.program).findings
     assert p7.code == "P7"
-    assert p7.margin == min(f.margin - f.required for f in others if f.required)
+    assert p7.margin == min(f.margin - f.required for f in findings if f.required)
 
 
-def test_the_whole_start_is_claimed_only_where_it_is_covered() -> None:
+def test_the_start_box_is_claimed_as_covered_only_where_the_tube_contains_it() -> None:
     controller = controller_of("omni_s1")
     assert controller.certificate.covers_initial_set
     wider = controller.task.initial_set.model_copy(update={"upper": (Fraction("0.51"), Fraction(5))})
@@ -147,15 +152,15 @@ def test_the_whole_start_is_claimed_only_where_it_is_covered() -> None:
 
 @pytest.mark.parametrize(("scalar", "bits"), [("float", 24), ("double", 50)])
 def test_a_coefficient_of_more_bits_than_the_scalar_holds_is_not_emitted(scalar: str, bits: int) -> None:
-    made = controller_of("omni_s1")
-    task = made.task.with_options(scalar=scalar)
+    controller = controller_of("omni_s1")
+    task = controller.task.with_options(scalar=scalar)
 
-    def program(largest: int) -> object:
-        return build_program(task, replace(made.design, table=(((0, largest),) * 2, *made.design.table[1:])))
+    def build_with(largest: int) -> object:
+        return build_program(task, replace(controller.design, table=(((0, largest),) * 2, *controller.design.table[1:])))
 
-    program((1 << bits) - 1)
+    build_with((1 << bits) - 1)
     with pytest.raises((BadInput, ValueError), match="bits"):
-        program(1 << bits)
+        build_with(1 << bits)
 
 
 @pytest.mark.parametrize("value", [Fraction(1, 3), Fraction("0.000123456789"), Fraction(-2, 3), Fraction(5)])

@@ -1,7 +1,8 @@
-"""Plants of order 2: the filtered tube, what is proved of it, what is emitted, and closed loops with inertia."""
+"""Plants of order 2: the filtered tube (bounds on v + lambda x), its proof, the emitted code, and closed loops with inertia."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import random
 import re
@@ -26,7 +27,7 @@ from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import foretold, within_bounds
 from stt_codegen.loop.simulate import KINDS, Loop, Scenario
-from stt_codegen.loop.simulate import starts as drawn
+from stt_codegen.loop.simulate import starts as draw_start
 from stt_codegen.pipeline import EmittedController, certify
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.program.targets.c.runner import CompiledC
@@ -39,24 +40,24 @@ from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
 from tests.support.controllers import ROOT, built
 
-INERTIAL = ("arm", "drone")  # of the tasks of order 2; tests/loop/test_robots.py has all
+INERTIAL = ("arm", "drone")  # two tasks of order 2; tests/loop/test_robots.py tests all
 
-SECOND = "\n[plant]\norder = 2\nw_max = 0.3\n"
-TEXTS = {
-    "plain": ("omni_s2", "", SECOND),
-    "limited": ("omni_s2", "u_max = [3, 3.5]\n", SECOND),
-    "sampled": ("omni_s2", "period = 0.04\nu_max = [2.4, 2.9]\n", SECOND),
-    "space": ("spacecraft", "", SECOND + "g_min = 0.9\ng_max = 1.1\n"),
-    "noisy": ("omni_s2", "period = 0.02\nu_max = [3, 3.5]\nlatency = 0.002\n", SECOND + "noise = 0.001\nnoise_v = 0.005\n"),
-    "doubles": ("omni_s2", "", SECOND + '[emit]\nscalar = "double"\nmath = "inline"\ntick_period = 0.01\n'),
-    "own filter": ("omni_s2", "", "\n[tube]\nfilter = [1.4, 2]\nmin_width = 0.2" + SECOND),
-    "moving starts": ("omni_s2", "", SECOND),
+ORDER_TWO = "\n[plant]\norder = 2\nw_max = 0.3\n"
+TEXTS = {  # by case: an example task, the lines of its [control], and what follows
+    "plain": ("omni_s2", "", ORDER_TWO),
+    "limited": ("omni_s2", "u_max = [3, 3.5]\n", ORDER_TWO),
+    "sampled": ("omni_s2", "period = 0.04\nu_max = [2.4, 2.9]\n", ORDER_TWO),
+    "space": ("spacecraft", "", ORDER_TWO + "g_min = 0.9\ng_max = 1.1\n"),
+    "noisy": ("omni_s2", "period = 0.02\nu_max = [3, 3.5]\nlatency = 0.002\n", ORDER_TWO + "noise = 0.001\nnoise_v = 0.005\n"),
+    "doubles": ("omni_s2", "", ORDER_TWO + '[emit]\nscalar = "double"\nmath = "inline"\ntick_period = 0.01\n'),
+    "own filter": ("omni_s2", "", "\n[tube]\nfilter = [1.4, 2]\nmin_width = 0.2" + ORDER_TWO),
+    "moving starts": ("omni_s2", "", ORDER_TWO),
     **{name: (name, "", "") for name in INERTIAL},
 }
 
 
 def text_of(name: str) -> str:
-    """A task file of order 2 made of one of tasks/."""
+    """Return a task file of order 2: an example task with the control and plant of the case."""
     task, control, more = TEXTS[name]
     text = (ROOT / "tasks" / f"{task}.toml").read_text()
     if name in INERTIAL:
@@ -68,12 +69,13 @@ def text_of(name: str) -> str:
 
 
 @cache
-def made(name: str) -> EmittedController:
+def controller_of_case(name: str) -> EmittedController:
+    """Return the controller of a case."""
     return built(parse_task(text_of(name)))
 
 
-def written(controller: EmittedController, name: str, folder: Path, **changes: Any) -> list[str]:
-    """The files as the checker takes them; the certificate with other entries where there are any."""
+def write_for_checker(controller: EmittedController, name: str, folder: Path, **changes: Any) -> list[str]:
+    """Write the controller's files, with these entries of the certificate changed, and return the checker's arguments."""
     task = controller.task.name
     for file, data in controller.files.items():
         (folder / file).write_bytes(data)
@@ -85,7 +87,7 @@ def written(controller: EmittedController, name: str, folder: Path, **changes: A
 
 
 def edges(design: RefinedDesign, t: np.ndarray) -> list[np.ndarray]:
-    """Both edges and their first two derivatives at times within [0, t_c], from the spline's formula: six arrays (P, n)."""
+    """Return lower and upper edge, their rates and their second derivatives, each (P, n), at times t within [0, t_c]."""
     table, t_c = design.integers() * float(design.unit), float(design.prescribed_time)
     u = t / t_c * design.segments
     k = np.minimum(u.astype(int), design.segments - 1)
@@ -95,70 +97,71 @@ def edges(design: RefinedDesign, t: np.ndarray) -> list[np.ndarray]:
         np.stack([-3 * (1 - s) ** 2, 9 * s**2 - 12 * s, -9 * s**2 + 6 * s + 3, 3 * s**2]),
         np.stack([6 * (1 - s), 18 * s - 12, -18 * s + 6, 6 * s]),
     ]
-    found = []
+    result = []
     for d, w in enumerate(weights):
         value = sum(w[j][:, None, None] * table[k + j] for j in range(4)) * (design.segments / t_c) ** d
-        found += [value[..., 0], value[..., 1]]
-    return found
+        result += [value[..., 0], value[..., 1]]
+    return result
 
 
 # ------------------------------------------------------------------------------------------------ the tube
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_what_is_certified_is_what_dense_sampling_sees(name: str) -> None:
-    """Each margin is no more than what 20,000 times show, and not far below: pieces are bounded by their Bezier hulls."""
-    controller = made(name)
+def test_certified_margins_are_below_sampled_ones_and_not_far_below(name: str) -> None:
+    """No margin exceeds the one at 20,001 times; it is a little smaller, because pieces are bounded by their Bezier hulls."""
+    controller = controller_of_case(name)
     design, task = controller.design, controller.task
     assert isinstance(design, RefinedDesign)
     assert controller.certificate.holds
     t = np.linspace(0, float(design.prescribed_time), 20_001)
     low, high, low_rate, high_rate, low_bend, high_bend = edges(design, t)
-    value = np.array([float(v) for v in design.filter])
-    room = ((high_rate - low_rate) + value * (high - low)).min()
+    filter_ = np.array([float(v) for v in design.filter])
+    sampled_width = ((high_rate - low_rate) + filter_ * (high - low)).min()
     slack = filtered_width_slack(design)
-    assert float(slack.units * slack.unit) <= room + 1e-9
-    assert float(slack.units * slack.unit) >= 0.9 * room - 1e-5
+    assert float(slack.units * slack.unit) <= sampled_width + 1e-9
+    assert float(slack.units * slack.unit) >= 0.9 * sampled_width - 1e-5
     assert (low_rate[0] <= 1e-12).all()
     assert (high_rate[0] >= -1e-12).all()
-    for ends in (low_rate, high_rate, low_bend, high_bend):
-        assert np.abs(ends[-1]).max() < 1e-9  # it stands from t_c on, with no jump in the acceleration
-    asked = np.maximum(value**2 * (high - low) + low_bend, value**2 * (high - low) - high_bend).max(axis=0)
-    spare = input_slack(task, design)
-    if spare is not None:
-        left = np.array([float(v) for v in task.u_max or ()]) - float(task.plant.w_max or 0) - asked
-        assert 0 < float(spare.units * spare.unit) <= left.min() + 1e-6
+    for values in (low_rate, high_rate, low_bend, high_bend):
+        assert np.abs(values[-1]).max() < 1e-9  # the tube stands from t_c on, and its acceleration does not jump
+    acceleration = np.maximum(filter_**2 * (high - low) + low_bend, filter_**2 * (high - low) - high_bend).max(axis=0)
+    margin = input_slack(task, design)
+    if margin is not None:
+        sampled_margin = np.array([float(v) for v in task.u_max or ()]) - float(task.plant.w_max or 0) - acceleration
+        assert 0 < float(margin.units * margin.unit) <= sampled_margin.min() + 1e-6
 
 
-def test_the_exact_pieces_are_the_splines() -> None:
-    design = made("plain").design
+def test_the_exact_bezier_pieces_are_those_of_the_spline() -> None:
+    design = controller_of_case("plain").design
     assert isinstance(design, RefinedDesign)
     t = (np.arange(design.segments) + 0.37) * float(design.prescribed_time) / design.segments
     low, high, low_rate, high_rate, low_bend, high_bend = edges(design, t)
-    value = np.array([float(v) for v in design.filter])
+    filter_ = np.array([float(v) for v in design.filter])
     weight = np.array([0.63**3, 3 * 0.63**2 * 0.37, 3 * 0.63 * 0.37**2, 0.37**3])
-    a, b = np.moveaxis((filtered_edges(design).floats() * weight).sum(axis=-1), 2, 0)
-    np.testing.assert_allclose(a, low_rate + value * low, rtol=0, atol=1e-11)  # a hundred roundings of numbers below 20
-    np.testing.assert_allclose(b, high_rate + value * high, rtol=0, atol=1e-11)
+    filtered_lower, filtered_upper = np.moveaxis((filtered_edges(design).floats() * weight).sum(axis=-1), 2, 0)
+    # 1e-11 allows for a hundred roundings of numbers below 20.
+    np.testing.assert_allclose(filtered_lower, low_rate + filter_ * low, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(filtered_upper, high_rate + filter_ * high, rtol=0, atol=1e-11)
     lower, upper = np.moveaxis((demanded_accelerations(design).floats() * weight).sum(axis=-1), 2, 0)
-    np.testing.assert_allclose(lower, value**2 * (high - low) + low_bend, rtol=0, atol=1e-10)
-    np.testing.assert_allclose(upper, high_bend - value**2 * (high - low), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(lower, filter_**2 * (high - low) + low_bend, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(upper, high_bend - filter_**2 * (high - low), rtol=0, atol=1e-10)
 
 
-def test_a_tube_of_ones_own_is_filtered_too() -> None:
-    """Our control points given as one's own make the same files; a tube that does not stop is refused."""
-    controller = made("plain")
+def test_a_users_tube_gets_a_filter_too() -> None:
+    """The designed control points as a user's tube give the same files; a tube that does not stop is refused."""
+    controller = controller_of_case("plain")
     assert isinstance(controller.design, RefinedDesign)
     points = controller.design.integers() * 6.0 * float(controller.design.unit)
-    own = stt.certify_tube(controller.task, points=points)
-    assert own.files == controller.files
+    user_controller = stt.certify_tube(controller.task, points=points)
+    assert user_controller.files == controller.files
     points[-2, 0] += 0.01
     with pytest.raises(BadInput, match="make the last three equal"):
         stt.certify_tube(controller.task, points=points)
 
 
 def test_limits_on_the_edges_are_kept() -> None:
-    text = text_of("plain").replace(SECOND, "\n[tube]\nmax_speed = 1.2\nmax_acceleration = [0.9, 0.7]\n" + SECOND)
+    text = text_of("plain").replace(ORDER_TWO, "\n[tube]\nmax_speed = 1.2\nmax_acceleration = [0.9, 0.7]\n" + ORDER_TWO)
     controller = built(parse_task(text))
     assert isinstance(controller.design, RefinedDesign)
     *_, low_rate, high_rate, low_bend, high_bend = edges(controller.design, np.linspace(0, 9, 5001))
@@ -168,10 +171,10 @@ def test_limits_on_the_edges_are_kept() -> None:
         built(parse_task(text.replace("[0.9, 0.7]", "0.1")))
 
 
-def test_starts_that_move_are_covered_up_to_the_speed_that_is_stated() -> None:
-    controller = made("moving starts")
-    wrong = distance_errors(controller.design, controller.certificate.edge_error, controller.certificate.rate_error)  # type: ignore[arg-type]
-    slack = start_slack(controller.task, controller.design, wrong)  # type: ignore[arg-type]
+def test_starts_are_certified_up_to_their_stated_speed() -> None:
+    controller = controller_of_case("moving starts")
+    errors = distance_errors(controller.design, controller.certificate.edge_error, controller.certificate.rate_error)  # type: ignore[arg-type]
+    slack = start_slack(controller.task, controller.design, errors)  # type: ignore[arg-type]
     assert slack.units >= 0
     faster = parse_task(text_of("moving starts").replace("speed = 0.02", "speed = 0.3"))
     with pytest.raises(NotCertified, match="lower initial_set.speed"):
@@ -182,18 +185,18 @@ def test_starts_that_move_are_covered_up_to_the_speed_that_is_stated() -> None:
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_the_checker_agrees(name: str, tmp_path: Path) -> None:
-    assert checker.main(written(made(name), name, tmp_path)) == 0
+def test_the_checker_accepts_what_is_certified(name: str, tmp_path: Path) -> None:
+    assert checker.main(write_for_checker(controller_of_case(name), name, tmp_path)) == 0
 
 
 @pytest.mark.parametrize("name", ["plain", "limited", "sampled"])
-def test_the_checker_refuses_what_is_changed(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    controller = made(name)
+def test_the_checker_refuses_a_changed_certificate_or_c(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    controller = controller_of_case(name)
     proof = json.loads(controller.files["omni_s2.certificate.json"])
-    other = [str(Fraction(v) * Fraction(5, 4)) for v in proof["filter"]]
+    wrong_filter = [str(Fraction(v) * Fraction(5, 4)) for v in proof["filter"]]
     changes: list[dict[str, Any]] = [
         {"order": 1},
-        {"filter": other},
+        {"filter": wrong_filter},
         {"filter": proof["filter"][:1]},
         {"rate_error": [v - 1 for v in proof["rate_error"]]},
         {"rate_error": [v + 99 for v in proof["rate_error"]]},
@@ -209,55 +212,50 @@ def test_the_checker_refuses_what_is_changed(name: str, tmp_path: Path, capsys: 
             for field in ("rho", "u", "shift")
         ]
     for change in changes:
-        assert checker.main(written(controller, name, tmp_path, **change)) == 1, change
+        assert checker.main(write_for_checker(controller, name, tmp_path, **change)) == 1, change
     assert "checker: NO" in capsys.readouterr().out
     source = (tmp_path / "omni_s2.c").read_text()
     for old, new in (("v_i - lower_rate", "v_i - upper_rate"), ("* filter_i", "* x_i"), ("v[j", "x[j")):
         assert old in source
-        written(controller, name, tmp_path)
+        write_for_checker(controller, name, tmp_path)
         (tmp_path / "omni_s2.c").write_text(source.replace(old, new, 1))
         proof_path = tmp_path / "omni_s2.certificate.json"
-        told = json.loads(proof_path.read_text())
-        import hashlib
-
-        told["sha256"]["omni_s2.c"] = hashlib.sha256((tmp_path / "omni_s2.c").read_bytes()).hexdigest()
-        proof_path.write_text(json.dumps(told))
+        signed = json.loads(proof_path.read_text())
+        signed["sha256"]["omni_s2.c"] = hashlib.sha256((tmp_path / "omni_s2.c").read_bytes()).hexdigest()
+        proof_path.write_text(json.dumps(signed))
         assert checker.main([str(tmp_path / "task.toml"), str(tmp_path / "omni_s2.c"), str(proof_path)]) == 1, old
 
 
-def test_mutated_tables_pass_neither_tool_nor_truth() -> None:
-    """A control point moved at random: whenever the tool says yes, 4,000 times show room, starts at rest and a smooth stop."""
-    controller, draw = made("plain"), random.Random(5)
-    design, passed = controller.design, 0
+def test_a_changed_table_is_certified_only_if_samples_agree() -> None:
+    """Whenever the tool certifies a table with a changed number, 4001 times show a positive width, starts at rest and a smooth stop."""
+    controller, draw = controller_of_case("plain"), random.Random(5)
+    design, certified_count = controller.design, 0
     assert isinstance(design, RefinedDesign)
     for _ in range(60):
         table = [[list(pair) for pair in row] for row in design.table]
-        j, i, side = (
-            draw.choice((0, 1, 2, draw.randrange(len(table)), len(table) - 1, len(table) - 2)),
-            draw.randrange(2),
-            draw.randrange(2),
-        )
+        j = draw.choice((0, 1, 2, draw.randrange(len(table)), len(table) - 1, len(table) - 2))
+        i, side = draw.randrange(2), draw.randrange(2)
         table[j][i][side] += draw.choice((-1, 1)) * draw.choice((1, 40, 3000, 60000))
         mutant = replace(design, table=tuple(tuple((a, b) for a, b in row) for row in table))
         certificate = certify(controller.task, mutant, controller.program)
         if not certificate.holds:
             continue
-        passed += 1
+        certified_count += 1
         low, high, low_rate, high_rate, low_bend, high_bend = edges(mutant, np.linspace(0, 9, 4001))
-        value = np.array([float(v) for v in mutant.filter])
-        assert ((high_rate - low_rate) + value * (high - low)).min() > 0
+        filter_ = np.array([float(v) for v in mutant.filter])
+        assert ((high_rate - low_rate) + filter_ * (high - low)).min() > 0
         assert (low_rate[0] <= 1e-12).all()
         assert (high_rate[0] >= -1e-12).all()
         assert max(np.abs(v[-1]).max() for v in (low_rate, high_rate, low_bend, high_bend)) < 1e-9
-    assert passed
+    assert certified_count
 
 
-# ------------------------------------------------------------------------------------------------ what is emitted
+# ------------------------------------------------------------------------------------------------ emitted code
 
 
 @pytest.mark.parametrize("name", ["plain", "doubles", "sampled", *INERTIAL])
 def test_every_backend_is_within_its_bound(name: str) -> None:
-    rows = compare(made(name).task, 600)
+    rows = compare(controller_of_case(name).task, 600)
     assert {"filtered tube", "margin", "u", "status"} <= {row.quantity for row in rows}
     assert [row for row in rows if not row.holds] == []
 
@@ -265,23 +263,23 @@ def test_every_backend_is_within_its_bound(name: str) -> None:
 @settings(max_examples=200, deadline=None)
 @given(st.tuples(*[st.integers(0, 2**32 - 1)] * 5))
 def test_u_is_finite_for_every_bit_pattern(bits: tuple[int, ...]) -> None:
-    backend = compiled()
+    backend = compiled_controller()
     t, *state = np.array(bits, dtype=np.uint32).view(np.float32)
     status, u = backend.call("control", np.array([t]), np.array([state[:2]]), np.array([state[2:]]))
     assert np.isfinite(u).all()
-    bad = not np.isfinite([t, *state]).all()
-    assert (status[0] == 2) == bad
-    if bad:
+    is_bad = not np.isfinite([t, *state]).all()
+    assert (status[0] == 2) == is_bad
+    if is_bad:
         assert (u == 0).all()
     (margin,) = backend.call("margin", np.array([t]), np.array([state[:2]]), np.array([state[2:]]))
-    assert np.isnan(margin[0]) if bad else -1 <= margin[0] <= 0.5
+    assert np.isnan(margin[0]) if is_bad else -1 <= margin[0] <= 0.5
     if status[0] == 0:
         assert margin[0] > 0
 
 
 @cache
-def compiled() -> CompiledC:
-    return CompiledC(made("plain"))
+def compiled_controller() -> CompiledC:
+    return CompiledC(controller_of_case("plain"))
 
 
 def test_the_interface_takes_x_and_v() -> None:
@@ -291,7 +289,7 @@ def test_the_interface_takes_x_and_v() -> None:
     assert u[0, 0] > 0 > u[0, 1]
     lower, upper = controller.filtered_tube(0.0)
     low, high = controller.tube(0.0)
-    assert 0.3 < controller.margin(0.0, (low + high) / 2, [0.0, 0.0]) <= 0.5  # an edge that gives way at 0 leaves more room there
+    assert 0.3 < controller.margin(0.0, (low + high) / 2, [0.0, 0.0]) <= 0.5  # an edge that recedes at 0 leaves more distance
     assert (lower < upper).all()
     with pytest.raises(BadInput, match="v: is missing"):
         controller.control(0.0, [0.1, 0.4])
@@ -306,23 +304,24 @@ def test_the_interface_takes_x_and_v() -> None:
 
 
 @pytest.mark.parametrize("name", ["sampled", "noisy", *INERTIAL])
-def test_no_loop_leaves_at_the_proved_period_and_many_do_beyond(name: str) -> None:
-    """The worst plants within [plant], starts at rest in the corners of the share, pushed about; e stays below what P9 says."""
-    controller = made(name)
+def test_no_loop_leaves_at_the_proved_period_and_some_do_at_eight_times_it(name: str) -> None:
+    """The worst plants within [plant] start at rest in and at the corners of the start share, with disturbances; e stays within the
+    bound of P9."""
+    controller = controller_of_case(name)
     task, proved = controller.task, controller.certificate.proved_period
     assert proved is not None
-    push = float(min(b.force for b in task.plant_bounds))
-    rate, most = 1 / float(proved.period), [float((r - 1) / (r + 1)) for r in proved.rho]
+    force = float(min(b.force for b in task.plant_bounds))
+    rate, e_bounds = 1 / float(proved.period), [float((r - 1) / (r + 1)) for r in proved.rho]
     noise = (float(task.plant.noise or 0), float(task.plant.noise_v or 0))
     for model in within_bounds(task):
         loop = Loop(controller, model)
         for k in range(15):
-            start = drawn(controller.certificate.start, float(task.initial_set.share), k, corner=k % 2 == 0)
+            start = draw_start(controller.certificate.start, float(task.initial_set.share), k, corner=k % 2 == 0)
             run = loop.run(
                 Scenario(
                     rate=rate,
                     disturbance=KINDS[1 + k % 5],
-                    strength=push,
+                    strength=force,
                     seed=k,
                     noise=noise[0],
                     noise_v=noise[1],
@@ -332,72 +331,72 @@ def test_no_loop_leaves_at_the_proved_period_and_many_do_beyond(name: str) -> No
             )
             assert run.kept
             assert run.good
-            assert all(e <= m * (1 + 1e-6) for e, m in zip(run.e, most, strict=True))
-        slow = [
+            assert all(e <= bound * (1 + 1e-6) for e, bound in zip(run.e, e_bounds, strict=True))
+        slow_runs = [
             loop.run(
                 Scenario(
                     rate=rate / 8,
                     disturbance=KINDS[1 + k % 5],
-                    strength=push,
+                    strength=force,
                     seed=k,
-                    start=drawn(controller.certificate.start, float(task.initial_set.share), k),
+                    start=draw_start(controller.certificate.start, float(task.initial_set.share), k),
                 )
             )
             for k in range(5)
         ]
-        assert any(not run.kept for run in slow)
+        assert any(not run.kept for run in slow_runs)
 
 
-def test_the_statement_in_fractions_is_the_one_in_balls() -> None:
-    controller = made("sampled")
+def test_the_period_in_fractions_is_the_one_of_the_search() -> None:
+    controller = controller_of_case("sampled")
     task, design, program = controller.task, controller.design, controller.program
     assert isinstance(design, RefinedDesign)
     errors = edge_error(design, program), rate_error(design, program)
-    most = longest_proved_period("sharp", loop_of(task, design, *errors))
-    assert most is not None
+    longest = longest_proved_period("sharp", loop_of(task, design, *errors))
+    assert longest is not None
 
     def holds(seconds: float) -> bool:
         period = Fraction(f"{seconds:.12g}")
-        given = task.model_copy(update={"control": task.control.model_copy(update={"period": period})})
-        rho = tuple(Fraction(str(np.exp(v) * (1 + 1e-9))) for v in most.eps_bound)
-        limit = [(1 + e) / (1 - e) for e in given.e_max]
-        loop, age = exact_loop(given, design, *errors), period + given.control.latency
+        with_period = task.model_copy(update={"control": task.control.model_copy(update={"period": period})})
+        rho = tuple(Fraction(str(np.exp(v) * (1 + 1e-9))) for v in longest.eps_bound)
+        limit = [(1 + e) / (1 - e) for e in with_period.e_max]
+        loop, age = exact_loop(with_period, design, *errors), period + with_period.control.latency
         return inputs_where_proved(loop, tuple(map(min, rho, limit)), age) is not None
 
-    assert holds(most.seconds * 0.999)
-    assert not holds(most.seconds * 1.01)
+    assert holds(longest.seconds * 0.999)
+    assert not holds(longest.seconds * 1.01)
 
 
-def test_a_period_that_is_too_long_is_refused_with_what_would_do() -> None:
+def test_a_period_that_is_too_long_is_refused_with_a_remedy_that_works() -> None:
     task = parse_task(text_of("sampled").replace("period = 0.04", "period = 0.4"))
-    with pytest.raises(NotCertified, match=r"period \(P9\): fails by .*use control.period = ") as told:
+    with pytest.raises(NotCertified, match=r"period \(P9\): fails by .*use control.period = ") as refusal:
         built(task)
-    period, gain = re.findall(r"control.period = ([\d.]+) with gain (\[[^\]]*\]|[\d.e+-]+)", str(told.value))[0]
+    period, gain = re.findall(r"control.period = ([\d.]+) with gain (\[[^\]]*\]|[\d.e+-]+)", str(refusal.value))[0]
     gains = [v.strip() for v in gain.strip("[]").split(",")]
     assert built(task.changed(control={"period": period, "gain": gains * (2 // len(gains))})).certificate.holds
 
 
-def test_limits_that_are_too_low_are_refused_with_what_would_do() -> None:
+def test_limits_that_are_too_low_are_refused_with_a_remedy_that_works() -> None:
     task = parse_task(text_of("limited").replace("[3, 3.5]", "0.6"))
-    with pytest.raises(NotCertified, match=r"limits \(P8\)") as told:
+    with pytest.raises(NotCertified, match=r"limits \(P8\)") as refusal:
         built(task)
-    enough = re.findall(r"control.u_max to ([\d.]+)", str(told.value))[0].rstrip(".")
-    again: Task | None = task.changed(control={"u_max": enough})
-    for _ in range(3):  # each component says what it needs itself
+    advised = re.findall(r"control.u_max to ([\d.]+)", str(refusal.value))[0].rstrip(".")
+    raised: Task | None = task.changed(control={"u_max": advised})
+    for _ in range(3):  # a refusal is about one component at a time
         try:
-            assert again is not None
-            built(again)
+            assert raised is not None
+            built(raised)
             break
         except NotCertified as error:
-            enough = re.findall(r"control.u_max to ([\d.]+)", str(error))[0].rstrip(".")
-            again = task.changed(control={"u_max": enough})
-    assert built(task.changed(control={"u_max": enough})).certificate.holds
+            advised = re.findall(r"control.u_max to ([\d.]+)", str(error))[0].rstrip(".")
+            raised = task.changed(control={"u_max": advised})
+    assert built(task.changed(control={"u_max": advised})).certificate.holds
 
 
 def test_a_plant_of_order_two_is_a_file_with_x_and_v(tmp_path: Path) -> None:
     path = tmp_path / "cart.py"
     path.write_text("def f(x, v):\n    return [-0.1 * v[0], -0.1 * v[1]]\n\n\ndef g(x, v):\n    return [[1, 0], [0, 1]]\n")
-    controller = made("plain")
+    controller = controller_of_case("plain")
     assert Loop(controller, plant_of(str(path), 2, 2)).run(Scenario(rate=200.0, disturbance="outward", strength=0.2)).good
     with pytest.raises(BadInput, match="of order 2, the task of order 1"):
         plant_of(str(path), 2)
@@ -407,7 +406,7 @@ def test_a_plant_of_order_two_is_a_file_with_x_and_v(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("more", "words"),
+    ("tables", "words"),
     [
         ("[tube]\nfilter = 1\n", ["tube.filter", "order 2"]),
         ("[plant]\nnoise_v = 0.1\n", ["plant.noise_v", "order 2"]),
@@ -418,37 +417,37 @@ def test_a_plant_of_order_two_is_a_file_with_x_and_v(tmp_path: Path) -> None:
         ('[tube]\ndesign = "adaptive"\n[plant]\norder = 2\n', ["plant.order", "refined"]),
     ],
 )
-def test_what_does_not_fit_the_order_is_refused(more: str, words: list[str]) -> None:
+def test_an_option_that_does_not_fit_the_order_is_refused(tables: str, words: list[str]) -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    with pytest.raises(BadInput) as caught:
-        parse_task(text[: text.index("[tube]")] + more)
-    assert all(word in str(caught.value) for word in words), caught.value
+    with pytest.raises(BadInput) as refusal:
+        parse_task(text[: text.index("[tube]")] + tables)
+    assert all(word in str(refusal.value) for word in words), refusal.value
 
 
-def test_a_lag_is_driven_and_nothing_is_promised_of_it() -> None:
-    """v beside the lag's own solution for inputs that are held; foretold is that nothing is proved."""
-    controller = made("plain")
+def test_a_lag_is_simulated_and_reported_as_not_proved() -> None:
+    """v follows the lag's exact solution for held inputs; the notes before the loop say that nothing is proved."""
+    controller = controller_of_case("plain")
     run = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=100.0, lag=0.3), trace=True)
-    free = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=100.0), trace=True)
+    without_lag = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=100.0), trace=True)
     assert run.trace is not None
-    assert free.trace is not None
-    n, row = 2, run.trace
-    u, v, t = row[:, 1 + n : 1 + 2 * n], row[:, -1 - n : -1], row[:, 0]
-    acting, velocity = np.zeros(n), np.zeros(n)
+    assert without_lag.trace is not None
+    n, rows = 2, run.trace
+    u, v, t = rows[:, 1 + n : 1 + 2 * n], rows[:, -1 - n : -1], rows[:, 0]
+    lagged_input, velocity = np.zeros(n), np.zeros(n)
     for k in range(100):
         h = t[k + 1] - t[k]
-        rest = 0.3 * (1 - np.exp(-h / 0.3))
-        velocity = velocity + u[k] * h + (acting - u[k]) * rest
-        acting = u[k] + (acting - u[k]) * np.exp(-h / 0.3)
+        lag_integral = 0.3 * (1 - np.exp(-h / 0.3))
+        velocity = velocity + u[k] * h + (lagged_input - u[k]) * lag_integral
+        lagged_input = u[k] + (lagged_input - u[k]) * np.exp(-h / 0.3)
         np.testing.assert_allclose(v[k + 1], velocity, rtol=0, atol=1e-9)  # the steps of the loop, a few milliseconds each
-    assert not np.allclose(row, free.trace)
-    told = foretold(controller, PLANTS["integrator"], Scenario(rate=100.0, lag=0.3))
-    assert told == ["not proved: u acts through a lag of 0.3 s, which no statement here allows for"]
+    assert not np.allclose(rows, without_lag.trace)
+    notes = foretold(controller, PLANTS["integrator"], Scenario(rate=100.0, lag=0.3))
+    assert notes == ["not proved: u acts through a lag of 0.3 s, which no statement here allows for"]
 
 
-def test_the_bound_on_e_is_never_below_where_it_starts() -> None:
-    """Also of a tube whose edges both give way at 0, where v + lambda x is nearer to the middle than x is."""
-    controller = made("sampled")
+def test_the_bound_on_e_is_never_below_its_value_at_the_start() -> None:
+    """This also holds for a tube whose edges both recede at 0, where v + lambda x is nearer to the middle than x is."""
+    controller = controller_of_case("sampled")
     assert isinstance(controller.design, RefinedDesign)
     table = [[list(pair) for pair in row] for row in controller.design.table]
     for j, row in enumerate(table):
@@ -457,29 +456,29 @@ def test_the_bound_on_e_is_never_below_where_it_starts() -> None:
             pair[1] -= 600 if j in (0, 1) else 0
     design = replace(controller.design, table=tuple(tuple((a, b) for a, b in row) for row in table))
     share = controller.task.initial_set.share
-    least = (1 + share) / (1 - share)
+    start_ratio = (1 + share) / (1 - share)
     ratios = inertial_start_bound(controller.task, design, numbers=FRACTIONS)
-    assert min(ratios) >= least
+    assert min(ratios) >= start_ratio
     proved = controller.certificate.proved_period
     assert proved is not None
-    assert all(rho > least for rho in proved.rho)
+    assert all(rho > start_ratio for rho in proved.rho)
     eps = inertial_start_bound(controller.task, design)
-    assert (eps >= np.log(float(least)) * (1 - 1e-12)).all()
+    assert (eps >= np.log(float(start_ratio)) * (1 - 1e-12)).all()
 
 
-def test_what_is_foretold_names_its_starts() -> None:
-    controller = made("plain")
+def test_the_notes_before_a_loop_name_its_starts() -> None:
+    controller = controller_of_case("plain")
     assert Analysis(controller).starts.endswith("and at rest")
-    assert "|v(0)| <= 0.02" in Analysis(made("moving starts")).starts
-    told = foretold(controller, None, Scenario(rate=1000.0, start=(0.25, 0.25, 0.01, 0.0)))
-    assert told[-1].startswith("proved from this start")
+    assert "|v(0)| <= 0.02" in Analysis(controller_of_case("moving starts")).starts
+    notes = foretold(controller, None, Scenario(rate=1000.0, start=(0.25, 0.25, 0.01, 0.0)))
+    assert notes[-1].startswith("proved from this start")
 
 
-def test_coupling_that_no_limit_outdoes_is_told_so() -> None:
-    text = text_of("limited").replace(SECOND, SECOND + "g_cross = {}\n")
+def test_where_no_limit_outweighs_the_coupling_the_refusal_asks_for_less_coupling() -> None:
+    text = text_of("limited").replace(ORDER_TWO, ORDER_TWO + "g_cross = {}\n")
     with pytest.raises(NotCertified, match=r"state a milder plant\.g_cross"):
         built(parse_task(text.format(1)))
-    with pytest.raises(NotCertified, match="control.u_max to") as told:
+    with pytest.raises(NotCertified, match="control.u_max to") as refusal:
         built(parse_task(text.format(0.3)).changed(control={"u_max": "0.8"}))
-    enough = re.findall(r"control.u_max to ([\d.]+)", str(told.value))[0].rstrip(".")
-    assert built(parse_task(text.format(0.3)).changed(control={"u_max": f"{1.3 * float(enough):.4g}"})).certificate.holds
+    advised = re.findall(r"control.u_max to ([\d.]+)", str(refusal.value))[0].rstrip(".")
+    assert built(parse_task(text.format(0.3)).changed(control={"u_max": f"{1.3 * float(advised):.4g}"})).certificate.holds

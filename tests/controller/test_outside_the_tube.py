@@ -1,4 +1,6 @@
-"""control.outside: what the guard does once the tube is left, in C and Python, in loops, and before the checker."""
+"""`control.outside`: what the guard does once the state is outside the tube, in C, in Python and in loops; the checker knows it.
+
+"hold": the tube waits while the state is outside. "stop": u stays 0 until a reset. "return": no guard; the law pushes back."""
 
 from __future__ import annotations
 
@@ -30,113 +32,121 @@ OK, OUTSIDE, BAD = 0, 1, 2
 
 
 @cache
-def made(name: str, outside: str) -> EmittedController:
+def guarded_controller(name: str, outside: str) -> EmittedController:
+    """Return the controller of an example task in doubles, with this `control.outside` and a limit on u."""
     task = load_task(ROOT / "tasks" / f"{name}.toml")
-    limited = {"u_max": 1} if task.control.u_max is None else {}
-    return built(task.changed(control={"outside": outside, **limited}, emit={"scalar": "double"}))
+    limit = {"u_max": 1} if task.control.u_max is None else {}
+    return built(task.changed(control={"outside": outside, **limit}, emit={"scalar": "double"}))
 
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: Any) -> Any:
+    """Return a function that compiles a controller with its guard and loads the shared library."""
+
     @cache
-    def built(name: str, outside: str) -> Any:
+    def load(name: str, outside: str) -> Any:
         folder = tmp_path_factory.mktemp(f"{name}_{outside}")
-        for file, data in made(name, outside).files.items():
+        for file, data in guarded_controller(name, outside).files.items():
             (folder / file).write_bytes(data)
         sources = [str(folder / f"{name}{end}") for end in (".c", "_guard.c")]
-        run_compiler([find_compiler(), *FLAGS, "-Wconversion", "-pedantic", *sources, "-o", str(folder / "own.so"), "-lm"])
-        return ctypes.CDLL(str(folder / "own.so"))
+        run_compiler([find_compiler(), *FLAGS, "-Wconversion", "-pedantic", *sources, "-o", str(folder / "guarded.so"), "-lm"])
+        return ctypes.CDLL(str(folder / "guarded.so"))
 
-    return built
+    return load
 
 
 def walk(name: str, seed: int) -> list[tuple[float, np.ndarray, np.ndarray]]:
-    """Times, states and speeds along the tube: mostly inside, now and then away for a while, once no number."""
-    controller = made(name, "stop" if load_task(ROOT / "tasks" / f"{name}.toml").order == 2 else "hold")
+    """Return times, states and speeds along the tube: mostly inside, now and then outside for some steps, and once NaN."""
+    controller = guarded_controller(name, "stop" if load_task(ROOT / "tasks" / f"{name}.toml").order == 2 else "hold")
     module = load_module(name, controller.files[f"{name}.py"])
-    draw, n, found = np.random.default_rng(seed), controller.task.dimension, []
-    away = 0
+    draw, n, steps = np.random.default_rng(seed), controller.task.dimension, []
+    steps_outside = 0
     for k in range(400):
         t = float(controller.task.prescribed_time) * k / 380
         low, high = (np.array(v) for v in module.tube(t))
-        away = int(draw.integers(1, 12)) if draw.uniform() < 0.03 else max(away - 1, 0)
-        share = draw.uniform(1.5, 4, size=n) if away else draw.uniform(0.4, 0.6, size=n)
-        x = low + share * (high - low)
+        steps_outside = int(draw.integers(1, 12)) if draw.uniform() < 0.03 else max(steps_outside - 1, 0)
+        position = draw.uniform(1.5, 4, size=n) if steps_outside else draw.uniform(0.4, 0.6, size=n)
+        x = low + position * (high - low)
         rates = (np.array(v) for v in module.tube_rate(t))
         v = np.mean(list(rates), axis=0)
-        found.append((t, x if k != 200 else x * np.nan, v))
-    return found
+        steps.append((t, x if k != 200 else x * np.nan, v))
+    return steps
 
 
 @pytest.mark.parametrize(("name", "outside"), [("omni_s2", "hold"), ("omni_s2", "stop"), ("drone", "stop")])
-def test_c_and_python_guard_alike(name: str, outside: str, library: Any) -> None:
-    controller, own = made(name, outside), library(name, outside)
+def test_the_guard_does_the_same_in_c_and_python(name: str, outside: str, library: Any) -> None:
+    controller, compiled = guarded_controller(name, outside), library(name, outside)
     module = load_module(name, controller.files[f"{name}.py"])
-    n, second = controller.task.dimension, controller.task.order == 2
-    guard = getattr(own, f"{name}_guard")
+    n, has_speed = controller.task.dimension, controller.task.order == 2
+    guard = getattr(compiled, f"{name}_guard")
     array = ctypes.c_double * n
     memory = (ctypes.c_double * 2)() if outside == "hold" else ctypes.c_int(0)
-    kept: Any = (0.0, 0.0) if outside == "hold" else False
-    seen = set()
+    python_memory: Any = (0.0, 0.0) if outside == "hold" else False
+    statuses = set()
     for t, x, v in walk(name, 3):
         u = array()
-        state = [array(*x), *([array(*v)] if second else [])]
+        state = [array(*x), *([array(*v)] if has_speed else [])]
         status = guard(ctypes.c_double(t), *state, memory if outside == "hold" else ctypes.byref(memory), u)
-        wanted, kept, python = module.guard(t, x, *([v] if second else []), kept)
-        assert status == wanted
-        assert np.allclose(list(u), python, rtol=1e-12, atol=0)
-        assert (list(memory) if outside == "hold" else bool(memory.value)) == (list(kept) if outside == "hold" else kept)
-        seen.add(status)
-    assert seen == {OK, OUTSIDE, BAD}
+        python_status, python_memory, python_u = module.guard(t, x, *([v] if has_speed else []), python_memory)
+        assert status == python_status
+        assert np.allclose(list(u), python_u, rtol=1e-12, atol=0)
+        assert (list(memory) if outside == "hold" else bool(memory.value)) == (
+            list(python_memory) if outside == "hold" else python_memory
+        )
+        statuses.add(status)
+    assert statuses == {OK, OUTSIDE, BAD}
 
 
-def test_a_tube_that_waits_stands_while_the_state_is_outside_and_goes_on_from_there() -> None:
-    controller = made("omni_s2", "hold")
+def test_a_holding_tube_stands_while_the_state_is_outside_and_goes_on_from_there() -> None:
+    controller = guarded_controller("omni_s2", "hold")
     module = load_module("omni_s2", controller.files["omni_s2.py"])
-    held, waited = (0.0, 0.0), 0
+    memory, waiting_steps = (0.0, 0.0), 0  # the guard's memory: seconds that the tube has waited, and its last time
     for t, x, _ in walk("omni_s2", 4):
-        before = held
-        status, held, u = module.guard(t, x, held)
-        now = t - held[0]
+        before = memory
+        status, memory, u = module.guard(t, x, memory)
+        tube_time = t - memory[0]
         if status == BAD:
-            assert held == before
+            assert memory == before
             assert u == (0.0, 0.0)
             continue
-        assert now <= t
-        assert now >= before[1] - 1e-12  # its time never goes back
-        assert held[1] == pytest.approx(now, abs=1e-12)
-        assert (status, u) == module.control(held[1], x) or (status, u) == module.control(t - before[0], x)
+        assert tube_time <= t
+        assert tube_time >= before[1] - 1e-12  # the tube's time never decreases
+        assert memory[1] == pytest.approx(tube_time, abs=1e-12)
+        assert (status, u) == module.control(memory[1], x) or (status, u) == module.control(t - before[0], x)
         if module.control(t - before[0], x)[0] == OUTSIDE:
-            waited += 1
-            assert held[1] == before[1]
+            waiting_steps += 1
+            assert memory[1] == before[1]
         else:
-            assert held[0] == before[0]
-    assert waited > 10
+            assert memory[0] == before[0]
+    assert waiting_steps > 10
 
 
 @pytest.mark.parametrize("name", ["omni_s2", "drone"])
-def test_what_stopped_stays_stopped_until_it_is_reset(name: str) -> None:
-    module = load_module(name, made(name, "stop").files[f"{name}.py"])
-    stopped, second = False, made(name, "stop").task.order == 2
-    left = False
+def test_a_stopped_controller_stays_stopped_until_it_is_reset(name: str) -> None:
+    module = load_module(name, guarded_controller(name, "stop").files[f"{name}.py"])
+    stopped, has_speed = False, guarded_controller(name, "stop").task.order == 2
+    has_left = False
     for t, x, v in walk(name, 5):
-        own = module.control(t, x, *([v] if second else []))
-        status, stopped, u = module.guard(t, x, *([v] if second else []), stopped)
-        left = left or own[0] == OUTSIDE
-        assert stopped == left
-        if left:
+        unguarded = module.control(t, x, *([v] if has_speed else []))
+        status, stopped, u = module.guard(t, x, *([v] if has_speed else []), stopped)
+        has_left = has_left or unguarded[0] == OUTSIDE
+        assert stopped == has_left
+        if has_left:
             assert not any(u)
-            assert status == (BAD if own[0] == BAD else OUTSIDE)
+            assert status == (BAD if unguarded[0] == BAD else OUTSIDE)
         else:
-            assert (status, u) == own
-        if left and t > 0.7 * module.T_C:
-            stopped, left = False, False
+            assert (status, u) == unguarded
+        if has_left and t > 0.7 * module.T_C:
+            stopped, has_left = False, False
 
 
-def test_loops_that_start_outside_come_back_late_wait_or_stop() -> None:
-    """From outside gamma(0): pushed back, the tube is missed at first; a tube that waits is not, and the target is reached late."""
+def test_a_loop_that_starts_outside_arrives_late_with_hold_and_stands_with_stop() -> None:
+    """With hold the tube waits until the state is inside, and the target is reached late; with stop the state never moves."""
     start = (0.05, 0.95)
-    runs = {o: Loop(made("omni_s2", o), PLANTS["integrator"]).run(Scenario(rate=200.0, start=start)) for o in ("hold", "stop")}
+    runs = {
+        outside: Loop(guarded_controller("omni_s2", outside), PLANTS["integrator"]).run(Scenario(rate=200.0, start=start))
+        for outside in ("hold", "stop")
+    }
     assert runs["hold"].waited > 0
     assert runs["hold"].reached
     assert runs["hold"].hit is None
@@ -144,24 +154,27 @@ def test_loops_that_start_outside_come_back_late_wait_or_stop() -> None:
     assert runs["stop"].u == (0.0, 0.0)
 
 
-def test_a_tube_that_waits_is_in_time_where_nothing_goes_wrong() -> None:
-    waiting, plain = (Loop(made("omni_s2", o), PLANTS["integrator"]).run(Scenario(rate=200.0)) for o in ("hold", "return"))
+def test_hold_changes_nothing_while_the_state_stays_inside() -> None:
+    waiting, plain = (
+        Loop(guarded_controller("omni_s2", outside), PLANTS["integrator"]).run(Scenario(rate=200.0))
+        for outside in ("hold", "return")
+    )
     assert waiting.waited == 0
     assert waiting == plain
 
 
 @pytest.mark.parametrize(
-    ("task", "outside", "told"),
+    ("task", "outside", "message"),
     [("drone", "hold", "with inertia"), ("omni_s2", "wait", "hold"), ("omni_s2", "hold", "does not wait")],
 )
-def test_what_cannot_wait_is_refused(task: str, outside: str, told: str) -> None:
-    known = load_task(ROOT / "tasks" / f"{task}.toml")
-    moving: dict[str, Any] = {}
-    if told == "does not wait":
-        first, *others = known.unsafe
-        moving = {"unsafe": [{**first.model_dump(exclude_unset=True), "during": [1, 2]}, *others]}
-    with pytest.raises(BadInput, match=told):
-        known.changed(control={"outside": outside}, **moving)
+def test_hold_is_refused_with_inertia_or_with_moving_sets(task: str, outside: str, message: str) -> None:
+    plain = load_task(ROOT / "tasks" / f"{task}.toml")
+    changes: dict[str, Any] = {}
+    if message == "does not wait":
+        first, *rest = plain.unsafe
+        changes = {"unsafe": [{**first.model_dump(exclude_unset=True), "during": [1, 2]}, *rest]}
+    with pytest.raises(BadInput, match=message):
+        plain.changed(control={"outside": outside}, **changes)
 
 
 @pytest.mark.parametrize("outside", ["hold", "stop"])
@@ -171,17 +184,17 @@ def test_only_the_refined_design_has_a_guard(outside: str, design: str) -> None:
         load_task(ROOT / "tasks" / "omni_s1.toml").changed(control={"outside": outside}, tube={"design": design})
 
 
-def test_return_is_the_default_and_adds_nothing() -> None:
+def test_return_is_the_default_and_emits_no_guard() -> None:
     task = load_task(ROOT / "tasks" / "omni_s2.toml")
-    own, said = built(task).files, built(task.changed(control={"outside": "return"})).files
-    assert set(own) == set(said)
-    assert not any("guard" in name for name in own)
-    assert b"guard" not in own["omni_s2.h"]
+    default_files, return_files = built(task).files, built(task.changed(control={"outside": "return"})).files
+    assert set(default_files) == set(return_files)
+    assert not any("guard" in name for name in default_files)
+    assert b"guard" not in default_files["omni_s2.h"]
 
 
 @pytest.mark.parametrize(("name", "outside"), [("trolley", "hold"), ("trolley", "stop"), ("drone", "stop")])
-def test_the_checker_knows_the_guard(name: str, outside: str, tmp_path: Path, capsys: Any) -> None:
-    """Every line of the guard that is changed is found, with the hashes made to fit."""
+def test_the_checker_refuses_a_changed_guard(name: str, outside: str, tmp_path: Path, capsys: Any) -> None:
+    """A change of any line of its code is refused although the hashes fit."""
     text = (ROOT / "tasks" / f"{name}.toml").read_text().replace("[control]\n", f'[control]\noutside = "{outside}"\n')
     (tmp_path / "task.toml").write_text(text)
     files = built(load_task(tmp_path / "task.toml")).files
