@@ -1,4 +1,5 @@
-"""A tube so fast that the emitted arithmetic takes more than the usual allowance is designed with a larger one, by every entry."""
+"""The rounding allowance, the distance that a design leaves for rounding in the emitted code: a tube so fast that it needs more
+than usual is designed with a larger one, by every entry."""
 
 from __future__ import annotations
 
@@ -29,7 +30,7 @@ from tests.support.controllers import ROOT, controller_of
 
 
 def shuttle(axes: int, legs: int, more: str = "") -> str:
-    """A mission to and fro between two corners of a room, a leg a second."""
+    """Return a mission that visits two corners of a room by turns, one leg a second. legs: their number; more: lines of the task file."""
 
     def box(lower: float, upper: float) -> str:
         return f"lower = {[lower] * axes}\nupper = {[upper] * axes}\n"
@@ -43,7 +44,7 @@ def shuttle(axes: int, legs: int, more: str = "") -> str:
 
 
 def maze(walls: int, head: str = "", tube: str = "", more: str = "", target_height: float | None = None) -> str:
-    """A room of 4 by 4 with walls that are passed left and right by turns."""
+    """Return a task in a room of 4 by 4 with walls that a tube passes on the left and on the right by turns."""
     pitch = 4 / (walls + 1)
     sets = "".join(
         f"[[unsafe]]\nlower = [{0 if k % 2 else 0.4}, {pitch * k - 0.005:.4f}]\n"
@@ -75,9 +76,8 @@ KINDS = {
 }
 
 
-designs = import_module(
-    "stt_codegen.design"
-)  # where the design stage takes both from; the name `design` of the package is a function
+# The design stage reads both functions from this module; the package's name `design` is a function.
+designs = import_module("stt_codegen.design")
 refine = cache(designs.refine)
 refine_with_allowance = cache(designs.refine_with_allowance)
 certify_edges = cache(rounding_allowance.certify_edges)
@@ -85,7 +85,7 @@ certify_edges = cache(rounding_allowance.certify_edges)
 
 @pytest.fixture(autouse=True, scope="module")
 def searches_run_once() -> Iterator[None]:
-    """Design and exact comparisons give the same for the same task, so no entry needs its own."""
+    """Cache design and exact comparison, whose results depend only on the task, so that all entries share them."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(designs, "refine", refine)
         patch.setattr(designs, "refine_with_allowance", refine_with_allowance)
@@ -104,17 +104,17 @@ def built(kind: str) -> api.Controller:
 
 
 def margins_per_error(task: Task, design: RefinedDesign) -> Iterator[Fraction]:
-    """The margins of the edges, by how far every edge may move, in steps of the table."""
+    """Yield the margins of the edges, each divided by how many times the error of an edge enters it, in units of the table."""
     error = max(edge_error_of_design(task, design))
     for finding in certify_edges(task, design).findings:
         if finding.required > 0 and not finding.in_time:
-            needed = round(finding.required / error)  # 2 for widths, of which both edges move
+            needed = round(finding.required / error)  # 2 for widths, where both edges err
             yield finding.margin / needed / design.unit
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_task_that_lacks_only_the_usual_allowance_is_certified(kind: str) -> None:
-    """With factor 1 its edges fail; designed, certified and built it is the same tube, which holds."""
+def test_a_task_that_needs_a_larger_allowance_is_certified(kind: str) -> None:
+    """With the usual allowance its edges fail; `design` and `build` give the same tube, which is certified."""
     task = task_of(kind)
     assert certify_edges(task, refine(task)).lacks_rounding
     design = api.design(task)
@@ -124,13 +124,13 @@ def test_a_task_that_lacks_only_the_usual_allowance_is_certified(kind: str) -> N
 
 
 @pytest.mark.parametrize("kind", ["maze", "for ever"])
-def test_with_the_usual_allowance_it_is_refused(kind: str) -> None:
+def test_its_tube_of_the_usual_allowance_is_refused(kind: str) -> None:
     with pytest.raises(NotCertified, match="the task needs more room than single precision leaves"):
         build_task(task_of(kind), tube=refine(task_of(kind)))
 
 
 @pytest.mark.parametrize("kind", ["maze", "for ever"])
-def test_the_stand_alone_checker_agrees(kind: str, tmp_path: Path) -> None:
+def test_the_stand_alone_checker_accepts_it(kind: str, tmp_path: Path) -> None:
     for name, data in built(kind).files.items():
         (tmp_path / name).write_bytes(data)
     (tmp_path / "task.toml").write_text(KINDS[kind])
@@ -152,8 +152,8 @@ def test_the_uncertified_flag_does_not_change_the_tube() -> None:
     assert build_task(task_of("maze"), uncertified=True).files == built("maze").files
 
 
-def test_without_a_tube_of_larger_allowance_the_refusal_is_about_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The target is high enough for the least width and 6 times the usual allowance, not for 6 times the larger one."""
+def test_where_no_tube_has_the_larger_allowance_the_refusal_is_about_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The target is high enough for the smallest width and 6 times the usual allowance, and not for 6 times the larger one."""
     task = parse_task(maze(15, target_height=0.01 + 1.5 * float(6 * lattice_of(parse_task(maze(15))).allowance)))
     usual = refine(task)
     factor = needed_allowance_factor(task, usual)
@@ -162,15 +162,15 @@ def test_without_a_tube_of_larger_allowance_the_refusal_is_about_rounding(monkey
     assert api.design(task) == usual
     with pytest.raises(NotCertified, match=r"\w+ \(P\d\) .*fails by .*task needs more room than single precision leaves"):
         api.build(task)
-    banner = build_task(task, uncertified=True)
-    assert b"NOT CERTIFIED" in banner.files["maze.c"]
-    # nor is a tube taken that is not certified itself
+    uncertified = build_task(task, uncertified=True)
+    assert b"NOT CERTIFIED" in uncertified.files["maze.c"]
+    # A tube of larger allowance is not taken either if it is not certified.
     monkeypatch.setattr(designs, "refine_with_allowance", lambda *_: replace(usual, table=usual.table[::-1]))
     assert api.design(task) == usual
 
 
-def test_a_fast_tube_that_has_the_margins_is_kept() -> None:
-    """Its error is above the usual allowance, but of order 2 it touches no bound."""
+def test_a_fast_tube_with_enough_margin_keeps_the_usual_allowance() -> None:
+    """Its error is above the usual allowance, but a tube of order 2 touches no bound."""
     task = parse_task(shuttle(1, 14, "[tube]\nsegments = 64\n[plant]\norder = 2\n"))
     usual = refine(task)
     assert max(edge_error_of_design(task, usual)) > lattice_of(task).allowance
@@ -178,7 +178,7 @@ def test_a_fast_tube_that_has_the_margins_is_kept() -> None:
 
 
 @pytest.mark.parametrize("name", ["omni_s2", "spacecraft", "mission_leg1"])
-def test_of_an_ordinary_tube_nothing_is_certified_in_advance(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_ordinary_tube_is_not_certified_in_advance(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     controller = controller_of(name)
     assert isinstance(controller.design, RefinedDesign)
     monkeypatch.setattr(rounding_allowance, "certify_edges", lambda *_: pytest.fail("certified in advance"))
@@ -186,8 +186,8 @@ def test_of_an_ordinary_tube_nothing_is_certified_in_advance(name: str, monkeypa
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_design_leaves_its_allowance_but_for_the_rounding_of_coefficients(kind: str) -> None:
-    """So the certificate need not be asked in advance where the error is below COVERED_SHARE; and a factor is what it says."""
+def test_a_design_leaves_its_allowance_up_to_the_rounding_of_coefficients(kind: str) -> None:
+    """Therefore an error below COVERED_SHARE of the allowance needs no certificate in advance, and the factor multiplies the margin."""
     task = task_of(kind)
     usual = refine(task)
     factor = needed_allowance_factor(task, usual)
@@ -198,30 +198,30 @@ def test_a_design_leaves_its_allowance_but_for_the_rounding_of_coefficients(kind
         assert min(margins_per_error(task, design)) >= COVERED_SHARE * ALLOWANCE_STEPS * times
 
 
-def test_the_factor_is_in_every_bound_on_edges_and_in_none_on_rates() -> None:
+def test_the_factor_changes_every_bound_on_edges_and_none_on_rates() -> None:
     task = load_task(ROOT / "tasks" / "gantry.toml")
     usual = lattice_of(task)
     larger = replace(usual, rounding_allowance_factor=5)
     assert larger.allowance == 5 * usual.allowance
-    first, second = arena_of(task, usual), arena_of(task, larger)
+    usual_arena, larger_arena = arena_of(task, usual), arena_of(task, larger)
     added = 4 * float(usual.allowance)
-    assert second.clearance - first.clearance == pytest.approx(added)
-    assert second.min_width - first.min_width == pytest.approx(2 * added)
-    assert second.start[0] - first.start[0] == pytest.approx(2 * added)
-    assert first.target[1] - second.target[1] == pytest.approx(added)
-    assert first.space[1] - second.space[1] == pytest.approx(added)
-    assert second.difference_allowance == first.difference_allowance == float(usual.allowance)
-    assert list(second.max_speeds) == list(first.max_speeds)
+    assert larger_arena.clearance - usual_arena.clearance == pytest.approx(added)
+    assert larger_arena.min_width - usual_arena.min_width == pytest.approx(2 * added)
+    assert larger_arena.start[0] - usual_arena.start[0] == pytest.approx(2 * added)
+    assert usual_arena.target[1] - larger_arena.target[1] == pytest.approx(added)
+    assert usual_arena.space[1] - larger_arena.space[1] == pytest.approx(added)
+    assert larger_arena.difference_allowance == usual_arena.difference_allowance == float(usual.allowance)
+    assert list(larger_arena.max_speeds) == list(usual_arena.max_speeds)
 
 
-def test_the_error_before_there_is_a_program_is_the_emitted_ones() -> None:
+def test_the_error_computed_from_a_design_is_that_of_its_emitted_program() -> None:
     controller = built("maze")
     assert isinstance(controller.design, RefinedDesign)
     assert edge_error_of_design(controller.task, controller.design) == controller.certificate.edge_error
 
 
-def test_integers_always_leave_the_allowance() -> None:
-    """Their steps have 15 bits, which bounds what the clock and the weights are wrong by."""
+def test_the_error_in_integers_is_always_below_the_allowance() -> None:
+    """Steps of 15 bits bound the errors of the clock and of the weights."""
     step = (1 << STEP_BITS) - 1
     table = tuple(((low, low + step),) for low in (0, *([step, 2 * step, 3 * step, 2 * step, step, 0] * 10)))
     design = RefinedDesign(Fraction(9), len(table) - 3, 20, table)
