@@ -1,4 +1,4 @@
-"""P9: a task with a period. What is proved in fractions, what is refused, and whether what a refusal advises is true."""
+"""P9, period: what fractions prove, what is refused, remedies that work, closed loops at the proved period, and ranges of gains."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import re
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -24,6 +24,8 @@ from stt_codegen.loop.command import within_bounds
 from stt_codegen.loop.simulate import Loop, Scenario, starts
 from stt_codegen.program.analyse.exact_logarithm import logarithm
 from stt_codegen.record.sketch import loop_times
+from stt_codegen.report.analysis import Analysis
+from stt_codegen.report.bounds import ProvedGains
 from stt_codegen.sampling.gains import GAIN_SEARCH_LIMIT, GainRange, Gains
 from stt_codegen.sampling.loops import exact_loop, loop_of
 from stt_codegen.sampling.periods import holds, inputs_where_proved, longest_proved_period, prove_for_period
@@ -42,21 +44,23 @@ CASES: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
 
 
 def with_period(name: str, control: dict[str, Any], plant: dict[str, Any], period: Fraction | str = "0.001") -> Task:
+    """Return an example task with this period and these entries of [control] and [plant]."""
     task = controller_of(name).task
-    given = {"gain": task.gain, **control, "period": period}
-    return task.changed(control=given, plant=plant)
+    stated = {"gain": task.gain, **control, "period": period}
+    return task.changed(control=stated, plant=plant)
 
 
 @cache
-def case(name: str) -> tuple[SampledLoop, SampledLoop, Task]:
-    """The loop in fractions and in doubles."""
+def loops_of_case(name: str) -> tuple[SampledLoop, SampledLoop, Task]:
+    """Return the loop of a case in fractions, the same loop in doubles, and its task."""
     task = with_period(*CASES[name])
-    made = controller_of(CASES[name][0])
-    error = edge_error(made.design, made.program)
-    return exact_loop(task, made.design, error), loop_of(task, made.design, error), task
+    controller = controller_of(CASES[name][0])
+    error = edge_error(controller.design, controller.program)
+    return exact_loop(task, controller.design, error), loop_of(task, controller.design, error), task
 
 
-def age(seconds: float) -> Fraction:
+def to_fraction(seconds: float) -> Fraction:
+    """Return a number of seconds as the fraction of its 12 digits."""
     return Fraction(f"{seconds:.12g}")
 
 
@@ -79,72 +83,74 @@ def test_logarithms_are_enclosed_closely() -> None:
         exact = (arb(y.numerator) / arb(y.denominator)).log()
         assert arb(low.numerator) / arb(low.denominator) <= exact.upper()
         assert exact.lower() <= arb(high.numerator) / arb(high.denominator)
-        # an artanh is rounded four times by 2^-64; ln m takes two of them, every doubling eight
+        # The logarithm adds artanh series, each rounded four times by 2^-64: two for the mantissa and eight for every doubling.
         assert 0 < high - low <= Fraction(8 + 32 * math.ceil(math.log2(y)), 1 << 64)
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_fractions_prove_what_balls_prove_and_no_more(name: str) -> None:
-    """At 0.9999 of the longest period that balls prove, with the same E; and not at 1.001 of it with any."""
-    loop, setting, _ = case(name)
+def test_fractions_prove_the_longest_period_of_the_search_and_no_longer_one(name: str) -> None:
+    """They prove 0.9999 of it with the search's bound E on |eps|, and 1.001 of it with no E of a few."""
+    loop, setting, _ = loops_of_case(name)
     period = longest_proved_period("sharp", setting)
     assert period is not None
     rho = tuple(Fraction(f"{math.exp(v) * (1 + 1e-9):.12g}") for v in period.eps_bound)
-    u = inputs_where_proved(loop, rho, age(0.9999 * period.seconds))
+    u = inputs_where_proved(loop, rho, to_fraction(0.9999 * period.seconds))
     assert u is not None
     assert all(float(a) == pytest.approx(b, rel=1e-6) for a, b in zip(u, period.u, strict=True))
-    for more in (1, 1 + Fraction(1, 1000), 1 + Fraction(1, 50)):
-        assert inputs_where_proved(loop, tuple(v * more for v in rho), age(1.001 * period.seconds)) is None
+    for factor in (1, 1 + Fraction(1, 1000), 1 + Fraction(1, 50)):
+        assert inputs_where_proved(loop, tuple(v * factor for v in rho), to_fraction(1.001 * period.seconds)) is None
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_fractions_and_balls_agree_on_any_e(name: str) -> None:
-    """Both are the same inequalities: they differ only where a slack is below what either rounds by."""
-    loop, setting, _ = case(name)
+def test_fractions_and_balls_agree_for_random_bounds_on_eps(name: str) -> None:
+    """Both compute the same inequalities, so they could differ only where a slack is smaller than the rounding."""
+    loop, setting, _ = loops_of_case(name)
     period = longest_proved_period("sharp", setting)
     assert period is not None
-    draw, agreed = random.Random(2), {True: 0, False: 0}
+    draw, counts = random.Random(2), {True: 0, False: 0}
     for _ in range(12):
         seconds = period.seconds * draw.uniform(0.2, 1.2)
         reach = np.array([draw.uniform(2.95, 5.2) for _ in period.eps_bound])
         rho = tuple(Fraction(f"{math.exp(v):.15g}") for v in reach)
-        balls = holds("sharp", setting, np.array([math.log(v) for v in rho]), float(age(seconds)))
-        exact = inputs_where_proved(loop, rho, age(seconds)) is not None
-        assert balls == exact
-        agreed[exact] += 1
-    assert all(agreed.values()), agreed
+        balls_prove = holds("sharp", setting, np.array([math.log(v) for v in rho]), float(to_fraction(seconds)))
+        fractions_prove = inputs_where_proved(loop, rho, to_fraction(seconds)) is not None
+        assert balls_prove == fractions_prove
+        counts[fractions_prove] += 1
+    assert all(counts.values()), counts
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_windows_are_those_of_the_statement(name: str) -> None:
-    """Width and speed of a window and of the one before, where a sample may stem from: as the doubles have them."""
-    loop, setting, _ = case(name)
+def test_windows_in_fractions_are_those_in_doubles(name: str) -> None:
+    """Widths and speeds are over a window and the one before it, in which the sample may have been taken."""
+    loop, setting, _ = loops_of_case(name)
     for exact, doubles in ((loop.windows.narrow, setting.windows.narrow), (loop.windows.wide, setting.windows.wide)):
         assert (exact.astype(float) == doubles).all()
     assert (loop.narrow.astype(float) == setting.narrow).all()
-    assert loop.closing_speed.astype(float) == pytest.approx(setting.closing_speed, rel=1e-11)  # which is rounded up by 1e-12
+    assert loop.closing_speed.astype(float) == pytest.approx(setting.closing_speed, rel=1e-11)  # doubles round it up by 1e-12
 
 
 @pytest.mark.parametrize("latency", ["0", "0.0002", "0.0005", "0.001"])
-def test_latency_counts_as_in_the_statement(latency: str) -> None:
-    """For one E the longest age by halving, in fractions and in doubles; at a gain so low that what moves before u acts binds."""
+def test_latency_shortens_the_longest_age_as_much_in_fractions_as_in_doubles(latency: str) -> None:
+    """For one E, by bisection; the gain is so low that the motion before u acts decides."""
     name = "spacecraft"
     task = with_period(name, {"gain": "0.004", "latency": latency}, {"g_min": "0.9", "g_max": "1.1", "w_max": "0.01"})
-    made = controller_of(name)
-    error = edge_error(made.design, made.program)
-    loop, setting = exact_loop(task, made.design, error), loop_of(task, made.design, error)
+    controller = controller_of(name)
+    error = edge_error(controller.design, controller.program)
+    loop, setting = exact_loop(task, controller.design, error), loop_of(task, controller.design, error)
     rho = (Fraction(60),) * task.dimension
     reach = np.full(task.dimension, math.log(60))
 
-    def last(good: Any) -> float:
+    def longest_age(is_proved: Any) -> float:
         low, high = float(latency), setting.longest_age
         for _ in range(20):
             middle = (low + high) / 2
-            low, high = (middle, high) if good(middle) else (low, middle)
+            low, high = (middle, high) if is_proved(middle) else (low, middle)
         return low
 
-    exact = last(lambda seconds: inputs_where_proved(loop, rho, age(seconds)) is not None)
-    doubles = last(lambda tau: all((c.values > 0).all() for c in SAMPLING_CONDITIONS["sharp"].conditions(setting, reach, tau)))
+    exact = longest_age(lambda seconds: inputs_where_proved(loop, rho, to_fraction(seconds)) is not None)
+    doubles = longest_age(
+        lambda tau: all((c.values > 0).all() for c in SAMPLING_CONDITIONS["sharp"].conditions(setting, reach, tau))
+    )
     assert exact == pytest.approx(doubles, rel=1e-5)
     assert exact > float(latency)
 
@@ -156,54 +162,57 @@ def test_latency_counts_as_in_the_statement(latency: str) -> None:
         {"rounding": Fraction(1, 4)},
     ],
 )
-def test_what_the_law_sees_wrong_counts(change: dict[str, Any]) -> None:
-    loop, setting, _ = case("plain")
+def test_errors_of_the_measured_distances_count(change: dict[str, Any]) -> None:
+    loop, setting, _ = loops_of_case("plain")
     period = longest_proved_period("sharp", setting)
     assert period is not None
     rho = tuple(Fraction(f"{math.exp(v) * (1 + 1e-9):.12g}") for v in period.eps_bound)
-    early = age(0.9 * period.seconds)
-    assert inputs_where_proved(loop, rho, early) is not None
-    assert inputs_where_proved(loop.with_law(**change), rho, early) is None
+    age = to_fraction(0.9 * period.seconds)
+    assert inputs_where_proved(loop, rho, age) is not None
+    assert inputs_where_proved(loop.with_law(**change), rho, age) is None
 
 
-def test_rho_is_held_between_share_and_clamp() -> None:
-    loop, early = case("plain")[0], age(1e-6)
-    least_rho, most = Fraction(19), Fraction(199)  # of |e| = 0.9 and 0.99
-    assert inputs_where_proved(loop, (least_rho, least_rho), early) is None
-    assert inputs_where_proved(loop, (least_rho * Fraction(1001, 1000),) * 2, early) is not None
-    assert inputs_where_proved(loop, (most, most), early) is not None
-    assert inputs_where_proved(loop, (most + 1, most), early) is None
+def test_rho_must_be_between_start_share_and_clamp() -> None:
+    loop, age = loops_of_case("plain")[0], to_fraction(1e-6)
+    rho_at_share, rho_at_clamp = Fraction(19), Fraction(199)  # of |e| = 0.9 and 0.99
+    assert inputs_where_proved(loop, (rho_at_share, rho_at_share), age) is None
+    assert inputs_where_proved(loop, (rho_at_share * Fraction(1001, 1000),) * 2, age) is not None
+    assert inputs_where_proved(loop, (rho_at_clamp, rho_at_clamp), age) is not None
+    assert inputs_where_proved(loop, (rho_at_clamp + 1, rho_at_clamp), age) is None
 
 
 # ------------------------------------------------------------------------------------------- certificates
 
 
-def test_a_period_is_in_header_certificate_and_report(tmp_path: Path) -> None:
+def test_a_proved_period_is_in_header_certificate_and_sources(tmp_path: Path) -> None:
     task = ROOT / "tasks" / "trolley.toml"
-    made = stt.build(task)
-    header = made.files["trolley.h"].decode()
+    controller = stt.build(task)
+    header = controller.files["trolley.h"].decode()
     assert "#define TROLLEY_PERIOD_PROVED 0.02F" in header
-    (ninth,) = (f for f in made.certificate.findings if f.code == "P9")
-    assert ninth.holds
-    assert ninth.margin > 0
-    document = json.loads(made.files["trolley.certificate.json"])
+    (finding,) = (f for f in controller.certificate.findings if f.code == "P9")
+    assert finding.holds
+    assert finding.margin > 0
+    document = json.loads(controller.files["trolley.certificate.json"])
     sampled = document["sampled"]
     assert (sampled["period"], sampled["latency"], sampled["share"]) == ("1/50", "1/500", "9/10")
     rho = tuple(Fraction(v) for v in sampled["rho"])
-    error = edge_error(made.design, made.program)
-    u = inputs_where_proved(exact_loop(made.task, made.design, error), rho, Fraction("0.022"))
+    error = edge_error(controller.design, controller.program)
+    u = inputs_where_proved(exact_loop(controller.task, controller.design, error), rho, Fraction("0.022"))
     assert u is not None
     assert all(a <= Fraction(b) for a, b in zip(u, sampled["u"], strict=True))
-    for text in (header, made.files["trolley.py"].decode(), made.files["trolley.c"].decode()):
+    for text in (header, controller.files["trolley.py"].decode(), controller.files["trolley.c"].decode()):
         assert "(P9)" in text
         assert "|e(0)| <= 0.9" in text.replace("\n * ", " ").replace("\n# ", " ")
-    longer = built(made.task.changed(control={**dict(made.task.control), "period": Fraction("0.02") + ninth.margin}))
-    assert longer.certificate.holds  # as the margin says
+    with_longer_period = built(
+        controller.task.changed(control={**dict(controller.task.control), "period": Fraction("0.02") + finding.margin})
+    )
+    assert with_longer_period.certificate.holds  # the margin is how much longer the period may be
 
 
-def test_the_example_sketch_keeps_to_what_is_proved() -> None:
-    """The longest gap that it takes for proved is the task's period where it has one; else the proved one, less the latency that is
-    in a sample's age. It samples a tenth faster, so that a sample may come late."""
+def test_the_example_sketch_samples_faster_than_is_proved() -> None:
+    """Its longest time between samples is the task's period, or the proved one less the latency, which a sample's age contains.
+
+    It samples a tenth faster, so that a sample may come late."""
     task = controller_of("omni_s2").task
     times = loop_times(built(task.changed(control={"gain": "auto", "period": "0.002"})))
     assert (times.longest, times.period) == (Fraction(1, 500), Fraction(9, 5000))
@@ -216,49 +225,49 @@ def test_the_example_sketch_keeps_to_what_is_proved() -> None:
     assert prove_for_period("sharp", setting, float(age)) is not None
 
 
-def test_bytes_are_the_same_without_a_period() -> None:
-    """[plant] alone, and what it says of the bounds, changes nothing but the task's digest; noise moves covered starts alone."""
+def test_plant_bounds_without_a_period_change_no_emitted_number() -> None:
+    """Plant bounds change only the task's digest; noise changes only the covered starts, too."""
     plain = controller_of("omni_s2")
     bounded = built(plain.task.changed(plant={"w_max": "0.1", "g_cross": "0.1"}))
     noisy = built(plain.task.changed(plant={"w_max": "0.1", "g_cross": "0.1", "noise": "0.001"}))
     digest = re.compile(r"[0-9a-f]{16}")
     start_bounds = re.compile(r"(start_(?:lower|upper)\b[^={}()]*= [{(])[^})]*", re.IGNORECASE)
     for name in ("omni_s2.c", "omni_s2.h", "omni_s2.py"):
-        emitted, with_bounds, with_noise = (c.files[name].decode() for c in (plain, bounded, noisy))
-        assert digest.sub("", emitted) == digest.sub("", with_bounds)
-        quiet = with_noise.replace("(rounding and the noise of [plant])", "(rounding)")
-        assert digest.sub("", start_bounds.sub(r"\1", emitted)) == digest.sub("", start_bounds.sub(r"\1", quiet))
-        assert (start_bounds.findall(emitted) == []) == name.endswith(".h")
+        plain_text, with_bounds, with_noise = (c.files[name].decode() for c in (plain, bounded, noisy))
+        assert digest.sub("", plain_text) == digest.sub("", with_bounds)
+        without_noise_words = with_noise.replace("(rounding and the noise of [plant])", "(rounding)")
+        assert digest.sub("", start_bounds.sub(r"\1", plain_text)) == digest.sub("", start_bounds.sub(r"\1", without_noise_words))
+        assert (start_bounds.findall(plain_text) == []) == name.endswith(".h")
 
 
-def test_a_component_that_nothing_pushes_gets_a_gain_too() -> None:
-    """omni_heading's third edge stands still, and xdot = u has no wind: any gain does there, but it must be one."""
-    made = built(controller_of("omni_heading").task.changed(control={"gain": "auto", "period": "0.001"}))
-    assert made.certificate.holds
-    assert all(k > 0 for k in made.task.gain)
+def test_a_component_that_nothing_moves_gets_a_gain_too() -> None:
+    """The third edges of omni_heading stand still, and xdot = u has no disturbance: any positive gain would do."""
+    controller = built(controller_of("omni_heading").task.changed(control={"gain": "auto", "period": "0.001"}))
+    assert controller.certificate.holds
+    assert all(k > 0 for k in controller.task.gain)
 
 
-def test_a_chosen_gain_is_proved_and_no_other_leaves_clearly_more_room() -> None:
+def test_a_chosen_gain_is_proved_and_no_other_has_a_clearly_smaller_bound_on_eps() -> None:
     task = with_period("omni_s2", {"gain": "auto"}, {"w_max": "0.1"}, "0.005")
-    made = built(task)
-    assert made.certificate.holds
-    assert made.task.digest == task.digest
-    setting = loop_of(made.task, made.design, edge_error(made.design, made.program))
-    middle = setting.with_start(np.full(2, 0.01))
+    controller = built(task)
+    assert controller.certificate.holds
+    assert controller.task.digest == task.digest
+    setting = loop_of(controller.task, controller.design, edge_error(controller.design, controller.program))
+    from_the_middle = setting.with_start(np.full(2, 0.01))
 
-    def room(factor: float, i: int) -> float | None:
+    def eps_bound(factor: float, i: int) -> float | None:
         gain = setting.law.gain.copy()
         gain[i] *= factor
         if prove_for_period("sharp", setting.with_law(gain=gain), 0.005) is None:
             return None
-        inner = prove_for_period("sharp", middle.with_law(gain=gain), 0.005)
+        inner = prove_for_period("sharp", from_the_middle.with_law(gain=gain), 0.005)
         return None if inner is None else inner.eps_bound[i]
 
     for i in range(2):
-        own = room(1.0, i)
-        assert own is not None
-        others = [room(k, i) for k in (0.3, 0.6, 0.8, 1.25, 1.6, 3.0)]
-        assert all(o is None or o > 0.97 * own for o in others)
+        chosen = eps_bound(1.0, i)
+        assert chosen is not None
+        alternatives = [eps_bound(k, i) for k in (0.3, 0.6, 0.8, 1.25, 1.6, 3.0)]
+        assert all(bound is None or bound > 0.97 * chosen for bound in alternatives)
 
 
 @pytest.mark.parametrize(
@@ -272,27 +281,27 @@ def test_a_chosen_gain_is_proved_and_no_other_leaves_clearly_more_room() -> None
         ({"period": "0.02", "u_max": "0.8"}, {"w_max": "0.3"}),
     ],
 )
-def test_what_a_refusal_advises_does(control: dict[str, str], plant: dict[str, str]) -> None:
-    """Every alternative that the message names is tried as it stands."""
+def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant: dict[str, str]) -> None:
+    """Every alternative of the message is put into the task."""
     task = controller_of("omni_s2").task.changed(control=control, plant=plant)
-    with pytest.raises(stt.NotCertified, match=r"period \(P9\)") as refused:
+    with pytest.raises(stt.NotCertified, match=r"period \(P9\)") as refusal:
         built(task)
-    told = str(refused.value).partition("use ")[2].partition(" (or --uncertified")[0]
-    tried = 0
-    for option in told.split(", or "):
+    remedies = str(refusal.value).partition("use ")[2].partition(" (or --uncertified")[0]
+    tried_count = 0
+    for option in remedies.split(", or "):
         if "auto" in option:
             changed = {**control, "gain": "auto"}
         else:
-            found = dict(re.findall(r"control\.(\w+) = (\[[^\]]*\]|[\d.e+-]+)", option))
-            found["gain"] = re.findall(r"gain (\[[^\]]*\]|[\d.e+-]+)", option)[0]
-            changed = {**control, **{k: v.strip("[]").split(", ") if "[" in v else v for k, v in found.items()}}
+            advised = dict(re.findall(r"control\.(\w+) = (\[[^\]]*\]|[\d.e+-]+)", option))
+            advised["gain"] = re.findall(r"gain (\[[^\]]*\]|[\d.e+-]+)", option)[0]
+            changed = {**control, **{k: v.strip("[]").split(", ") if "[" in v else v for k, v in advised.items()}}
         assert built(task.changed(control=changed)).certificate.holds, option
-        tried += 1
-    assert tried
+        tried_count += 1
+    assert tried_count
 
 
-def test_the_board_at_a_slower_tick_is_refused_with_what_would_do() -> None:
-    """Gain 0.5 at four times the tick of tasks/omni_board.toml holds from initial_state, not from all of the share."""
+def test_the_board_at_a_slower_tick_is_refused_with_a_remedy_that_works() -> None:
+    """Gain 0.5 at four times the tick of tasks/omni_board.toml is enough from initial_state, and not from the whole start share."""
     task = controller_of("omni_board").task
     with pytest.raises(stt.NotCertified, match=r'fails by 0\.000.*use control.gain = "auto"'):
         built(task.changed(control={"gain": "0.5", "period": 4 * task.emit.tick_period}))
@@ -307,7 +316,7 @@ def test_an_initial_state_outside_the_share_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("values", "told"),
+    ("values", "message"),
     [
         (
             {"initial_set": {"share": "0.99"}, "control": {"period": "0.001"}},
@@ -321,8 +330,8 @@ def test_an_initial_state_outside_the_share_is_refused() -> None:
         ({"control": {"perod": "0.1"}}, "did you mean 'period'"),
     ],
 )
-def test_what_does_not_go_together_is_refused(values: dict[str, Any], told: str) -> None:
-    with pytest.raises(stt.BadInput, match=told):
+def test_inconsistent_options_of_sampling_are_refused(values: dict[str, Any], message: str) -> None:
+    with pytest.raises(stt.BadInput, match=message):
         controller_of("omni_s2").task.changed(**values)
 
 
@@ -332,31 +341,33 @@ def test_a_period_is_for_refined_tubes(design: str) -> None:
         built(controller_of("omni_s1").task.changed(tube={"design": design}, control={"period": "0.001"}))
 
 
-def test_uncertified_files_name_p9(tmp_path: Path) -> None:
-    made = built(controller_of("omni_s2").task.changed(control={"gain": "0.5", "period": "0.01"}), uncertified=True)
-    assert not made.certificate.holds
-    assert "PERIOD_PROVED" not in made.files["omni_s2.h"].decode()
-    assert "P9 period" in made.files["omni_s2.h"].decode()
+def test_uncertified_files_name_the_failed_period(tmp_path: Path) -> None:
+    controller = built(controller_of("omni_s2").task.changed(control={"gain": "0.5", "period": "0.01"}), uncertified=True)
+    assert not controller.certificate.holds
+    assert "PERIOD_PROVED" not in controller.files["omni_s2.h"].decode()
+    assert "P9 period" in controller.files["omni_s2.h"].decode()
 
 
 # ------------------------------------------------------------------------------------------ in closed loop
 
 
 @pytest.mark.parametrize("period", [None, "longest"])
-def test_the_trolley_keeps_its_bounds_under_every_corner_of_its_plant(period: str | None, tool: Any) -> None:
+def test_the_trolley_keeps_the_proved_bounds_with_every_worst_plant(period: str | None, tool: Any) -> None:
     tool("gcc")
-    made = controller_of("trolley")
+    controller = controller_of("trolley")
     if period:
-        (ninth,) = (f for f in made.certificate.findings if f.code == "P9")
-        more = made.task.control.period + ninth.margin
-        made = built(made.task.changed(control={**dict(made.task.control), "gain": made.task.gain, "period": more}))
-    sampled = made.certificate.proved_period
+        (finding,) = (f for f in controller.certificate.findings if f.code == "P9")
+        longest = controller.task.control.period + finding.margin
+        controller = built(
+            controller.task.changed(control={**dict(controller.task.control), "gain": controller.task.gain, "period": longest})
+        )
+    sampled = controller.certificate.proved_period
     assert sampled is not None
-    e = [(v - 1) / (v + 1) for v in sampled.rho]
-    for model in within_bounds(made.task):
-        loop = Loop(made, model)
+    e_bounds = [(v - 1) / (v + 1) for v in sampled.rho]
+    for model in within_bounds(controller.task):
+        loop = Loop(controller, model)
         for seed, kind in enumerate(("outward", "nearest", "constant", "random")):
-            begin = starts(made.certificate.start, float(sampled.share), seed, corner=seed % 2 == 0)
+            start = starts(controller.certificate.start, float(sampled.share), seed, corner=seed % 2 == 0)
             run = loop.run(
                 Scenario(
                     rate=float(1 / sampled.period),
@@ -364,29 +375,29 @@ def test_the_trolley_keeps_its_bounds_under_every_corner_of_its_plant(period: st
                     strength=0.15,
                     seed=seed,
                     noise=0.002,
-                    start=begin,
+                    start=start,
                     latency=float(sampled.latency),
                 )
             )
             assert run.good
-            assert all(a < b for a, b in zip(run.e, e, strict=True))
-            assert all(a <= b for a, b in zip(run.u, sampled.u, strict=True))
+            assert all(value < bound for value, bound in zip(run.e, e_bounds, strict=True))
+            assert all(value <= bound for value, bound in zip(run.u, sampled.u, strict=True))
 
 
 def test_the_worst_plants_have_the_sign_of_the_gain(tool: Any) -> None:
-    """A negative gain is for a negative definite g: within [plant] -g is what is bounded, and the tube is kept."""
+    """A negative gain is for a negative definite g: then [plant] bounds -g. The state stays in the tube."""
     tool("gcc")
     task = controller_of("omni_s2").task.changed(
         control={"gain": "-0.2", "period": "0.001"}, plant={"g_min": "0.9", "g_max": "1.1"}
     )
-    made = built(task)
-    assert "-g_ii" in next(f.statement for f in made.certificate.findings if f.code == "P9")
+    controller = built(task)
+    assert "-g_ii" in next(f.statement for f in controller.certificate.findings if f.code == "P9")
     for model in within_bounds(task):
-        assert Loop(made, model).run(Scenario(rate=1000.0)).kept
+        assert Loop(controller, model).run(Scenario(rate=1000.0)).kept
         assert model.g(np.zeros(2))[0][0] < 0
 
 
-def test_wind_beyond_what_the_plant_states_is_refused() -> None:
+def test_a_disturbance_beyond_the_stated_one_is_refused() -> None:
     arguments = [
         "simulate",
         str(ROOT / "tasks" / "trolley.toml"),
@@ -406,48 +417,50 @@ def test_simulate_takes_rate_noise_latency_and_the_worst_plant_from_the_task(too
     tool("gcc")
     result = CliRunner().invoke(app, ["simulate", str(ROOT / "tasks" / "trolley.toml"), "--plant", "bounds", "--json"])
     assert result.exit_code == 0, result.output
-    told = json.loads(result.stdout)
-    assert (told["rate"], told["noise"], told["latency"], told["w_max"]) == (50.0, 0.002, 0.002, 0.15)
-    assert told["plant"].startswith("[plant], ")
-    assert "proved from this start" in told["foretold"][0]
+    report = json.loads(result.stdout)
+    assert (report["rate"], report["noise"], report["latency"], report["w_max"]) == (50.0, 0.002, 0.002, 0.15)
+    assert report["plant"].startswith("[plant], ")
+    assert "proved from this start" in report["foretold"][0]
 
 
 # ---------------------------------------------------------------------------------------------- other units
 
 
 @pytest.mark.parametrize(("length", "time"), [("1000", "1"), ("0.001", "1"), ("1000000", "1"), ("1", "1000"), ("1", "0.001")])
-def test_other_units_get_the_same_answers(length: str, time: str) -> None:
-    """Periods scale with time, gains with length^2/time, |u| with length/time. The tube itself is found on a grid of a power of two,
-    so it is another one by a few 1e-5 of the space, and the share of it by a few times that: 1 %."""
-    size, slow = Fraction(length), Fraction(time)
+def test_in_other_units_periods_and_gains_are_the_same(length: str, time: str) -> None:
+    """Periods scale with time and gains with length^2/time. The tube is designed on a grid of a power of two, so it differs by some
+    1e-5 of the space; therefore the tolerance is 1 %."""
+    length_factor, time_factor = Fraction(length), Fraction(time)
     task = controller_of("omni_s2").task
 
     def scaled(box: Any) -> dict[str, Any]:
-        return {"lower": [v * size for v in box.lower], "upper": [v * size for v in box.upper]}
+        return {"lower": [v * length_factor for v in box.lower], "upper": [v * length_factor for v in box.upper]}
 
-    other = task.changed(
-        prescribed_time=task.prescribed_time * slow,
-        initial_state=[v * size for v in task.initial_state],
+    scaled_task = task.changed(
+        prescribed_time=task.prescribed_time * time_factor,
+        initial_state=[v * length_factor for v in task.initial_state],
         **{name: scaled(getattr(task, name)) for name in ("state_space", "initial_set", "target_set")},
         unsafe=[{"name": u.name, **scaled(u)} for u in task.unsafe],
-        tube={"clearance": task.tube.clearance * size, "min_width": task.tube.min_width * size},
-        control={"gain": task.gain[0] * size**2 / slow},
+        tube={"clearance": task.tube.clearance * length_factor, "min_width": task.tube.min_width * length_factor},
+        control={"gain": task.gain[0] * length_factor**2 / time_factor},
     )
-    from stt_codegen.report.analysis import Analysis
-
-    one, two = (Analysis(built(t)) for t in (task, other))
-    assert one.period is not None
-    assert two.period is not None
-    assert one.gains.longest is not None
-    assert two.gains.longest is not None
-    assert two.period.seconds == pytest.approx(one.period.seconds * float(slow), rel=0.01)
-    assert two.gains.longest[1].seconds == pytest.approx(one.gains.longest[1].seconds * float(slow), rel=0.01)
-    ends, scaled_ends = one.gains.range(0.001), two.gains.range(float(slow / 1000))
-    assert ends is not None
-    assert scaled_ends is not None
-    for mine, theirs in ((ends.first, scaled_ends.first), (ends.last, scaled_ends.last)):
-        assert mine is not None
-        assert theirs == pytest.approx(mine * float(size**2 / slow), rel=0.03)  # 1 % of rounding each, and what the search leaves
+    analysis, scaled_analysis = (Analysis(built(t)) for t in (task, scaled_task))
+    assert analysis.period is not None
+    assert scaled_analysis.period is not None
+    assert analysis.gains.longest is not None
+    assert scaled_analysis.gains.longest is not None
+    assert scaled_analysis.period.seconds == pytest.approx(analysis.period.seconds * float(time_factor), rel=0.01)
+    assert scaled_analysis.gains.longest[1].seconds == pytest.approx(
+        analysis.gains.longest[1].seconds * float(time_factor), rel=0.01
+    )
+    range_, scaled_range = analysis.gains.range(0.001), scaled_analysis.gains.range(float(time_factor / 1000))
+    assert range_ is not None
+    assert scaled_range is not None
+    for gain, scaled_gain in ((range_.first, scaled_range.first), (range_.last, scaled_range.last)):
+        assert gain is not None
+        assert scaled_gain == pytest.approx(
+            gain * float(length_factor**2 / time_factor), rel=0.03
+        )  # 1 % of rounding each, and the search's tolerance
 
 
 # ------------------------------------------------------------------------------------------------ ranges of gains
@@ -460,30 +473,42 @@ RANGES |= {
 }
 
 
+class RangeCase(NamedTuple):
+    """A task with a period, its design, the errors of its emitted arithmetic, and its range of gains for a report."""
+
+    task: Task
+    design: Any
+    errors: Any
+    gains: GainRange
+
+
 @cache
-def gain_range(name: str) -> tuple[Task, Any, Any, GainRange]:
-    """A task with a period, its design, errors of its arithmetic, and the range that reports print."""
+def range_case(name: str) -> RangeCase:
+    """Return a case of `RANGES`."""
     source, control, plant, period = RANGES[name]
-    made = controller_of(source)
-    stated = plant or {k: getattr(made.task.plant, k) for k in made.task.plant.model_fields_set}
-    limits = {"latency": made.task.control.latency, "u_max": made.task.control.u_max}
+    controller = controller_of(source)
+    stated = plant or {k: getattr(controller.task.plant, k) for k in controller.task.plant.model_fields_set}
+    limits = {"latency": controller.task.control.latency, "u_max": controller.task.control.u_max}
     task = with_period(source, {**limits, **control}, stated, period)
-    errors = (edge_error(made.design, made.program), rate_error(made.design, made.program) if task.order == 2 else ())
-    setting = loop_of(task, made.design, *errors)
-    age = float(task.sampling_period + task.control.latency)
-    found = Gains(setting, setting.law.gain, kinds=("sharp",)).range(age)
-    assert found is not None
-    return task, made.design, errors, found
+    errors = (
+        edge_error(controller.design, controller.program),
+        rate_error(controller.design, controller.program) if task.order == 2 else (),
+    )
+    setting = loop_of(task, controller.design, *errors)
+    seconds = float(task.sampling_period + task.control.latency)
+    gains = Gains(setting, setting.law.gain, kinds=("sharp",)).range(seconds)
+    assert gains is not None
+    return RangeCase(task, controller.design, errors, gains)
 
 
 def p9_holds(name: str, gain: np.ndarray) -> bool:
-    """Whether the certificate's own P9, in fractions, is shown for that gain."""
-    task, design, errors, _ = gain_range(name)
+    """Return whether P9 is proved in fractions, as a certificate does, for this gain in a case of `RANGES`."""
+    task, design, errors, _ = range_case(name)
     return is_certified(task, gain, design, errors)
 
 
 def is_certified(task: Task, gain: np.ndarray, design: Any, errors: Any) -> bool:
-    """As `certify_period` decides, without the advice of its refusals, which takes seconds."""
+    """Return whether `certify_period` would accept this gain; it leaves out the advice of a refusal, which takes seconds."""
     changed = task.changed(control={"gain": [Fraction(f"{k:.12g}") for k in gain.tolist()]})
     setting = loop_of(changed, design, *errors)
     return (
@@ -493,50 +518,48 @@ def is_certified(task: Task, gain: np.ndarray, design: Any, errors: Any) -> bool
 
 @pytest.mark.parametrize("name", RANGES)
 def test_every_gain_of_a_printed_range_is_proved_and_those_beyond_an_end_are_not(name: str) -> None:
-    found, draw = gain_range(name)[3], random.Random(name)
-    last = found.last if found.last is not None else found.first * 1e12
-    inside = [found.first * (last / found.first) ** draw.random() for _ in range(3)]
-    for gain in (found.first, last, *inside, *([found.first * 10, found.first * 1e6] * (found.last is None))):
+    gains, draw = range_case(name).gains, random.Random(name)
+    last_gain = gains.last if gains.last is not None else gains.first * 1e12
+    gains_inside = [gains.first * (last_gain / gains.first) ** draw.random() for _ in range(3)]
+    for gain in (gains.first, last_gain, *gains_inside, *([gains.first * 10, gains.first * 1e6] * (gains.last is None))):
         assert p9_holds(name, gain), gain
-    assert found.first_is_end
-    assert not p9_holds(name, found.first * 0.97)  # 1 % of rounding, and what the search leaves
-    if found.last is not None:
-        assert found.last_is_end
+    assert gains.first_is_end
+    assert not p9_holds(name, gains.first * 0.97)  # 1 % of rounding, and the search's tolerance
+    if gains.last is not None:
+        assert gains.last_is_end
         for beyond in (1.03, 1e3):
-            assert not p9_holds(name, found.last * beyond)
+            assert not p9_holds(name, gains.last * beyond)
 
 
 def test_a_range_has_no_end_where_u_is_limited_and_only_there() -> None:
     """Without a limit |u| grows with the gain, and no period is short enough for all of them."""
-    endless = {name for name in RANGES if gain_range(name)[3].last is None}
-    assert endless == {name for name in RANGES if gain_range(name)[0].u_max is not None}
+    endless = {name for name in RANGES if range_case(name).gains.last is None}
+    assert endless == {name for name in RANGES if range_case(name).task.u_max is not None}
     assert len(endless) == 4
 
 
-def test_a_limit_that_is_too_large_for_the_period_leaves_an_end() -> None:
-    """A limit alone is not enough: at the limit the state must not cross the middle within a sample."""
-    task, design, errors, _ = gain_range("unlimited")
-    high = task.changed(control={"u_max": 50})
-    setting = loop_of(high, design, *errors)
-    found = Gains(setting, setting.law.gain, kinds=("sharp",)).range(float(task.sampling_period + task.control.latency))
-    assert found is not None
-    assert found.last is not None
-    assert found.last_is_end
-    assert is_certified(high, found.last, design, errors)
-    assert not is_certified(high, found.last * 1e3, design, errors)
+def test_with_a_limit_that_is_large_for_the_period_the_range_has_an_end() -> None:
+    """With u at its limit the state must not cross the middle of the tube within one period."""
+    task, design, errors, _ = range_case("unlimited")
+    with_limit = task.changed(control={"u_max": 50})
+    setting = loop_of(with_limit, design, *errors)
+    gains = Gains(setting, setting.law.gain, kinds=("sharp",)).range(float(task.sampling_period + task.control.latency))
+    assert gains is not None
+    assert gains.last is not None
+    assert gains.last_is_end
+    assert is_certified(with_limit, gains.last, design, errors)
+    assert not is_certified(with_limit, gains.last * 1e3, design, errors)
 
 
-def test_a_search_that_was_cut_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With a search that gives up at 1.5 times a proved gain both ends are open; the text says so."""
-    from stt_codegen.report.bounds import ProvedGains
-
-    _, setting, task = case("plain")
+def test_a_search_that_stops_early_reports_open_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search stops at 1.5 times a proved gain, so it knows no end on either side, and the text says so."""
+    _, setting, task = loops_of_case("plain")
     monkeypatch.setattr("stt_codegen.sampling.gains.GAIN_SEARCH_LIMIT", 1.5)
     assert GAIN_SEARCH_LIMIT == 1e6
-    found = Gains(setting, setting.law.gain, kinds=("sharp",)).range(float(task.sampling_period + task.control.latency))
-    assert found is not None
-    assert found.last is not None
-    assert not found.first_is_end
-    assert not found.last_is_end
-    text = ProvedGains(tuple(found.first.tolist()), tuple(found.last.tolist()), found.first_is_end, found.last_is_end).text
+    gains = Gains(setting, setting.law.gain, kinds=("sharp",)).range(float(task.sampling_period + task.control.latency))
+    assert gains is not None
+    assert gains.last is not None
+    assert not gains.first_is_end
+    assert not gains.last_is_end
+    text = ProvedGains(tuple(gains.first.tolist()), tuple(gains.last.tolist()), gains.first_is_end, gains.last_is_end).text
     assert re.fullmatch(r"from [\d.]+ or less to at least [\d.]+", text)
