@@ -32,7 +32,7 @@ from stt_codegen.program.targets.python.runner import GeneratedPython
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
 from stt_codegen.record.sketch import loop_times
-from stt_codegen.record.uno import ERROR, step_cycles
+from stt_codegen.record.uno import RELATIVE_ERROR, step_cycles
 from stt_codegen.task import Task
 from stt_codegen.task.load import load_task
 
@@ -222,8 +222,9 @@ def main() -> int:
             known, most = step_cycles(controller), counted(controller, options.count)
             assert known is not None
             off = known / most - 1
-            good &= abs(off) <= ERROR
-            rows.append([f"{name}, {kind}", f"{most:,}", f"{known:,}", f"{off:+.1%}", "yes" if abs(off) <= ERROR else "NO"])
+            within = abs(off) <= RELATIVE_ERROR
+            good &= within
+            rows.append([f"{name}, {kind}", f"{most:,}", f"{known:,}", f"{off:+.1%}", "yes" if within else "NO"])
     print(table(["", "cycles counted, most", "estimate", "off", "within"], rows))
     print("every tube is where the clock is, every estimate within its error" if good else "NOT KEPT: see NO above")
     return int(not good)

@@ -58,7 +58,6 @@ PENDING = """
     stt_codegen/lemmas/sampling/sampled_windows.py
     stt_codegen/loop
     stt_codegen/program
-    stt_codegen/record
     stt_codegen/report
     tests
     benchmarks

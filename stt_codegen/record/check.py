@@ -1,5 +1,7 @@
-"""Is what lies on disk what the tool writes? Compares both ways, and says whether numbers changed or only text; and reads the
-C back, to show that it means the Program that was printed."""
+"""Compare a recorded folder with what the tool builds now, for `stt-codegen check`, and record it again (`--accept`).
+
+A difference says whether numbers changed or only text. The C is read back, and compared with the Program that was printed.
+"""
 
 from __future__ import annotations
 
@@ -9,94 +11,123 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
-from stt_codegen.program.read import differences
-from stt_codegen.record.manifest import MANIFEST, folder_of, forget, make, read_manifest, record, recorded_tools, tool_versions
+from stt_codegen.pipeline import EmittedController
+from stt_codegen.program.read import differences as program_differences
+from stt_codegen.record.manifest import (
+    MANIFEST,
+    RecordedFolder,
+    build_again,
+    folder_of,
+    read_manifest,
+    record,
+    recorded_tools,
+    remove_folder,
+    tool_versions,
+)
 
-DIFF_LINES = 40  # of one file; the rest is counted
+DIFF_LINES = 40  # of one file that are shown; all other lines are counted
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?F?\b")
 _HASH = re.compile(r'"[0-9a-f]{16}"|"[0-9a-f]{64}"')
-_STARTS = re.compile(r"_start_(?:lower|upper)\[\d+\][^;]*;")
-_TABLE = re.compile(r"_coefficients\[\d+\] = \{(.*?)\};", re.DOTALL)
+_START_BOX = re.compile(r"_start_(?:lower|upper)\[\d+\][^;]*;")
+_COEFFICIENTS = re.compile(r"_coefficients\[\d+\] = \{(.*?)\};", re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Difference:
-    """One file that is missing, extra or other than the tool writes it."""
+    """One file that is missing, extra or changed.
+
+    problem: the end of a sentence that begins with the path. diff: lines of a unified diff. numbers: how its numbers changed.
+    """
 
     path: str
-    what: str
+    problem: str
     diff: tuple[str, ...] = ()
     numbers: str = ""
 
 
 def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> list[Difference]:
-    """Replay the manifest in `root` and compare with the files there; empty when nothing differs."""
-    found: list[Difference] = []
-    known = {MANIFEST}
+    """Build every folder of the manifest in `root` again and compare it with the files there; empty when nothing differs.
+
+    progress: called with each folder's name. The C is also read back, and compared with the Program that was printed.
+    """
+    differences: list[Difference] = []
+    known_paths = {MANIFEST, "lemmas.md"}
     for entry in read_manifest(root):
         progress(entry.folder)
-        controller = make(root, entry)
-        known |= {f"{entry.folder}/{name}" for name in entry.sha256}
+        controller = build_again(root, entry)
+        known_paths |= {f"{entry.folder}/{name}" for name in entry.sha256}
+        known_paths.add(f"{entry.folder}/{entry.folder.split('/')[0]}.bounds.json")  # `prove` writes it there
         if controller is None:
-            found.append(
-                Difference(
-                    entry.folder, f"its task file {entry.task} is gone; --accept drops the folder (if it moved, record it again)"
-                )
-            )
-            continue
-        if folder_of(controller) != entry.folder:
-            found.append(Difference(entry.folder, f"its task is now called {controller.task.name!r}; --accept moves the folder"))
-            continue
-        for name in sorted(entry.sha256.keys() - controller.files.keys()):
-            found.append(Difference(MANIFEST, f"records {entry.folder}/{name}, which is not made"))
-        for name, data in controller.files.items():
-            path = f"{entry.folder}/{name}"
-            known.add(path)
-            changes = _compare(root, path, data)
-            found += changes
-            if not changes and hashlib.sha256(data).hexdigest() != entry.sha256.get(name):
-                found.append(Difference(MANIFEST, f"records another hash of {path} than its content has"))
-        prefix = controller.task.name
-        texts = (controller.files[f"{prefix}.{kind}"].decode() for kind in ("h", "c"))
-        for line in differences(controller.program, *texts):
-            found.append(Difference(f"{entry.folder}/{prefix}.c", f"does not mean what was to be printed: {line}"))
+            problem = f"its task file {entry.task} is gone; --accept drops the folder (if it moved, record it again)"
+            differences.append(Difference(entry.folder, problem))
+        elif folder_of(controller) != entry.folder:
+            problem = f"its task is now called {controller.task.name!r}; --accept moves the folder"
+            differences.append(Difference(entry.folder, problem))
+        else:
+            known_paths |= {f"{entry.folder}/{name}" for name in controller.files}
+            differences += _compare_folder(root, entry, controller)
     on_disk = {p.relative_to(root).as_posix() for p in root.rglob("*") if p.is_file()}
     extra = "is not recorded in the manifest; delete it (--accept leaves it alone)"
-    beside = {"lemmas.md"} | {f"{e.folder}/{e.folder.split('/')[0]}.bounds.json" for e in read_manifest(root)}
-    found += [Difference(path, extra) for path in sorted(on_disk - known - beside)]
-    return found
+    differences += [Difference(path, extra) for path in sorted(on_disk - known_paths)]
+    return differences
 
 
-def accept(root: Path, progress: Callable[[str], None] = lambda _: None) -> tuple[int, int]:
-    """Write every recorded folder as the tool makes it now, and the manifest; folders whose task is gone or renamed are
-    removed. Returns how many folders were written, and how many dropped because their task file is gone."""
-    made = []
+def _compare_folder(root: Path, entry: RecordedFolder, controller: EmittedController) -> list[Difference]:
+    """Compare the files of one recorded folder with those of its controller, which has been built again."""
+    differences = []
+    for name in sorted(entry.sha256.keys() - controller.files.keys()):
+        differences.append(Difference(MANIFEST, f"records {entry.folder}/{name}, which is not made"))
+    for name, data in controller.files.items():
+        path = f"{entry.folder}/{name}"
+        changes = _compare_file(root, path, data)
+        differences += changes
+        if not changes and hashlib.sha256(data).hexdigest() != entry.sha256.get(name):
+            differences.append(Difference(MANIFEST, f"records another hash of {path} than its content has"))
+    prefix = controller.task.name
+    header, source = (controller.files[f"{prefix}.{kind}"].decode() for kind in ("h", "c"))
+    for line in program_differences(controller.program, header, source):
+        differences.append(Difference(f"{entry.folder}/{prefix}.c", f"does not mean what was to be printed: {line}"))
+    return differences
+
+
+class AcceptedFolders(NamedTuple):
+    """How many folders were written, and how many were removed because their task file is gone."""
+
+    written: int
+    removed: int
+
+
+def accept(root: Path, progress: Callable[[str], None] = lambda _: None) -> AcceptedFolders:
+    """Write every recorded folder as the tool builds it now, and the manifest; remove folders whose task is gone or renamed."""
+    controllers = []
     for entry in read_manifest(root):
         progress(entry.folder)
-        made.append((entry, make(root, entry)))
-    for entry, controller in made:
+        controllers.append((entry, build_again(root, entry)))
+    for entry, controller in controllers:
         if controller is None or folder_of(controller) != entry.folder:
-            forget(root, entry.folder)
-    for entry, controller in made:
+            remove_folder(root, entry.folder)
+    for entry, controller in controllers:
         if controller is not None:
             record(root, root / entry.task, controller, entry.uncertified)
-    written = sum(controller is not None for _, controller in made)
-    return written, len(made) - written
+    written = sum(controller is not None for _, controller in controllers)
+    return AcceptedFolders(written, len(controllers) - written)
 
 
 def changed_tools(root: Path) -> list[str]:
-    """Tools whose version differs from the recorded one, as "name 1.0 -> 1.1"."""
+    """Return the tools whose version differs from the recorded one, as "name 1.0 -> 1.1"."""
     old, new = recorded_tools(root), tool_versions()
     return [f"{k} {old.get(k, 'none')} -> {v}" for k, v in new.items() if old.get(k) != v]
 
 
-def folders(root: Path) -> int:
-    """How many folders the manifest records."""
+def folder_count(root: Path) -> int:
+    """Return how many folders the manifest records."""
     return len(read_manifest(root))
 
 
-def _compare(root: Path, path: str, expected: bytes) -> list[Difference]:
+def _compare_file(root: Path, path: str, expected: bytes) -> list[Difference]:
+    """Compare one file with its expected content; the list has one entry or none."""
     file = root / path
     if not file.is_file():
         return [Difference(path, "is missing")]
@@ -109,14 +140,13 @@ def _compare(root: Path, path: str, expected: bytes) -> list[Difference]:
     )
     if len(lines) > DIFF_LINES:
         lines = [*lines[:DIFF_LINES], f"... and {len(lines) - DIFF_LINES} more lines"]
-    return [
-        Difference(path, "differs", tuple(lines) or ("(only line ends or bytes that are no text)",), describe_numbers(old, new))
-    ]
+    diff = tuple(lines) or ("(only line ends or bytes that are no text)",)
+    return [Difference(path, "differs", diff, describe_numbers(old, new))]
 
 
 def describe_numbers(old: str, new: str) -> str:
-    """What a reviewer wants to know of two texts of one file: did numbers change, how many, by how much."""
-    old, new = (_HASH.sub("", text) for text in (old, new))  # hashes follow from the rest
+    """Say for a reviewer whether numbers changed between two texts of one file, how many, and by how much."""
+    old, new = (_HASH.sub("", text) for text in (old, new))  # a hash changes with any number
     before, after = _NUMBER.findall(old), _NUMBER.findall(new)
     if _NUMBER.sub("#", old) != _NUMBER.sub("#", new):
         if before == after:
@@ -127,18 +157,22 @@ def describe_numbers(old: str, new: str) -> str:
     if not changed:
         return "no number changed"
     a, b = max(changed, key=lambda p: abs(p[0] - p[1]) / max(abs(p[0]), abs(p[1])))
-    share = abs(a - b) / max(abs(a), abs(b))
-    text = f"{len(changed)} of {len(pairs)} numbers changed, the largest relative change is {share:.3g} ({a!r} -> {b!r})"
-    moved = _edge_movement(old, new)
-    return text if moved is None else f"{text}; the tube's edges move by at most {moved:.3g}"
+    relative_change = abs(a - b) / max(abs(a), abs(b))
+    text = (
+        f"{len(changed)} of {len(pairs)} numbers changed, the largest relative change is {relative_change:.3g} ({a!r} -> {b!r})"
+    )
+    movement = largest_edge_movement(old, new)
+    return text if movement is None else f"{text}; the tube's edges move by at most {movement:.3g}"
 
 
-def _edge_movement(old: str, new: str) -> float | None:
-    """Bound on the movement of the tube between two C files that differ in coefficients alone, and in the bounds of starts, which
-    follow from them: the weights are >= 0 and sum to 6. None where anything else changed, the time scale for one."""
-    tables = [_TABLE.search(text) for text in (old, new)]
-    rest = [_STARTS.sub("", _TABLE.sub("", text)) for text in (old, new)]
-    if not all(tables) or rest[0] != rest[1]:
+def largest_edge_movement(old: str, new: str) -> float | None:
+    """Bound how far the tube's edges differ between two C files that differ in spline coefficients, and so in the start box.
+
+    An edge is a sum of coefficients with weights >= 0 that sum to 6. None where anything else changed, such as the time scale.
+    """
+    tables = [_COEFFICIENTS.search(text) for text in (old, new)]
+    remainders = [_START_BOX.sub("", _COEFFICIENTS.sub("", text)) for text in (old, new)]
+    if not all(tables) or remainders[0] != remainders[1]:
         return None
     before, after = ([float(v.rstrip("F")) for v in _NUMBER.findall(t.group(1))] for t in tables if t)
     return 6 * max(abs(a - b) for a, b in zip(before, after, strict=True))

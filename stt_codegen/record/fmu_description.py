@@ -1,4 +1,4 @@
-"""What a unit of co-simulation has, and how FMI 3.0 and 2.0 describe that."""
+"""A unit of co-simulation before it is packed, and its XML descriptions by FMI 3.0 and 2.0. record/fmu.py fills and packs it."""
 
 from __future__ import annotations
 
@@ -10,18 +10,23 @@ from dataclasses import KW_ONLY, dataclass, field
 
 from stt_codegen.emit import Files
 
-BASE = {
+# Known units of tasks, as attributes of FMI's element BaseUnit.
+SI_BASE_UNITS = {
     "s": {"s": "1"},
     "m": {"m": "1"},
     "rad": {"rad": "1"},
     "deg": {"rad": "1", "factor": repr(math.pi / 180)},
-}  # of these units
+}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Variable:
-    """One number of a unit. causality: independent, input, output, parameter or local (a constant); begin: its literal in C
-    before the first step; whole: an int32; truth: a boolean, true at the start."""
+    """One variable of a unit: a double unless `is_integer` (int32) or `is_boolean` (true at the start).
+
+    causality: independent, input, output, parameter or local (a constant). begin: its value before the first step, a literal of
+    C. base_unit: the task's unit; `unit` is that over seconds to the power `rate_order`. start_of: for a parameter, the output
+    whose start it is.
+    """
 
     name: str
     causality: str
@@ -29,82 +34,94 @@ class Variable:
     begin: str = "0.0"
     unit: str = ""
     _: KW_ONLY
-    whole: bool = False
-    truth: bool = field(default=False, repr=False)  # tokens of units without one stay
-    base: str = ""  # the task's unit that `unit` is, over seconds to the power `order`
-    order: int = 0
-    direct: bool = False  # an output that follows the inputs at once
-    of: str = ""  # the output that a parameter is the start of
+    is_integer: bool = False
+    is_boolean: bool = False
+    base_unit: str = ""
+    rate_order: int = 0
+    follows_inputs: bool = False  # an output that depends on the inputs of the same time
+    start_of: str = ""
+
+    def __repr__(self) -> str:
+        """Return the text that `Unit.token` hashes. Its names never change, so that an unchanged unit has the same token."""
+        texts = f"name={self.name!r}, causality={self.causality!r}, description={self.description!r}, begin={self.begin!r}"
+        kinds = f"unit={self.unit!r}, whole={self.is_integer!r}, base={self.base_unit!r}, order={self.rate_order!r}"
+        return f"Variable({texts}, {kinds}, direct={self.follows_inputs!r}, of={self.start_of!r})"
 
     @property
     def settable(self) -> int:
-        """When an importer may set it: 0 never, 1 at any time, 2 before the first step alone."""
+        """Return when an importer may set it: 0 never, 1 at any time, 2 only before the first step."""
         return {"input": 1, "parameter": 2}.get(self.causality, 0)
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit before it is packed. variables: in the order of their references. body: the C of `unit_start`, `unit_evaluate` and
-    `unit_advance`; header: what this includes; sources: more C files; kept: members of its state. stop, step: seconds that an
-    importer may take, literals. extras: more files, for people."""
+    """A unit before it is packed.
+
+    body: the C of `unit_start`, `unit_evaluate` and `unit_advance`; header: the file that it includes; sources: more C files by
+    name; state_members: declarations in C of what the unit remembers. stop_time, step_size: decimals in seconds that are proposed
+    to the importer, empty for none. extras: files for people, by name.
+    """
 
     name: str
     description: str
     variables: tuple[Variable, ...]
     body: str
-    stop: str
+    stop_time: str
     _: KW_ONLY
     header: str = ""
     sources: Files = field(default_factory=dict)
-    kept: tuple[str, ...] = ()
-    step: str = ""
+    state_members: tuple[str, ...] = ()
+    step_size: str = ""
     extras: Files = field(default_factory=dict)
 
     @property
-    def watched(self) -> bool:
-        """Whether it looks at how the importer steps, and warns in its log."""
-        return any(v.truth for v in self.variables)
+    def checks_steps(self) -> bool:
+        """Whether it checks the times at which the importer steps, and warns in the log."""
+        return any(v.is_boolean for v in self.variables)
 
     @property
     def token(self) -> str:
-        """Of all that decides what the unit does, so that an importer takes no other unit for it."""
-        told = hashlib.sha256(repr((self.variables, self.body, sorted(self.sources.items()))).encode()).hexdigest()
-        return f"{self.name}-{told[:16]}"
+        """Return the name with a hash of everything that changes what the unit does, by which an importer identifies it."""
+        digest = hashlib.sha256(repr((self.variables, self.body, sorted(self.sources.items()))).encode()).hexdigest()
+        return f"{self.name}-{digest[:16]}"
 
 
-def text(root: ET.Element) -> bytes:
+def to_xml(root: ET.Element) -> bytes:
+    """Return an indented XML file."""
     ET.indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root) + b"\n"
 
 
 def _units(root: ET.Element, unit: Unit) -> None:
-    """What units are in SI, of those that are known."""
+    """Add the definitions of the variables' units; known ones are given in SI units."""
     definitions = ET.SubElement(root, "UnitDefinitions")
-    named = {v.unit: v for v in sorted(unit.variables, key=lambda v: v.base in BASE) if v.unit}  # what is known comes last
-    for name, v in sorted(named.items()):
-        own = ET.SubElement(definitions, "Unit", name=name)
-        if v.base in BASE:
-            seconds = int(BASE[v.base].get("s", 0)) - v.order
-            ET.SubElement(own, "BaseUnit", BASE[v.base] | {"s": str(seconds)})
+    known_last = sorted(unit.variables, key=lambda v: v.base_unit in SI_BASE_UNITS)
+    examples = {v.unit: v for v in known_last if v.unit}  # one variable of each unit, with a known base unit if there is one
+    for name, v in sorted(examples.items()):
+        element = ET.SubElement(definitions, "Unit", name=name)
+        if v.base_unit in SI_BASE_UNITS:
+            seconds = int(SI_BASE_UNITS[v.base_unit].get("s", 0)) - v.rate_order
+            ET.SubElement(element, "BaseUnit", SI_BASE_UNITS[v.base_unit] | {"s": str(seconds)})
 
 
 def _log_categories(root: ET.Element, unit: Unit) -> None:
-    """The one category of what it writes to the importer's log."""
-    if unit.watched:
+    """Add the category of the warnings in the importer's log."""
+    if unit.checks_steps:
         ET.SubElement(ET.SubElement(root, "LogCategories"), "Category", name="logStatusWarning")
 
 
-def _attributes(v: Variable, reference: int) -> dict[str, str]:
-    found = {"name": v.name, "valueReference": str(reference), "causality": v.causality, "description": v.description}
-    found["variability"] = {"parameter": "fixed", "local": "constant"}.get(
-        v.causality, "discrete" if v.whole or v.truth else "continuous"
-    )
+def _variable_attributes(v: Variable, reference: int) -> dict[str, str]:
+    """Return the attributes that FMI 2.0 and 3.0 share. reference: the variable's value reference."""
+    attributes = {"name": v.name, "valueReference": str(reference), "causality": v.causality, "description": v.description}
+    of_values = "discrete" if v.is_integer or v.is_boolean else "continuous"
+    attributes["variability"] = {"parameter": "fixed", "local": "constant"}.get(v.causality, of_values)
     if v.causality == "output":
-        found["initial"] = "calculated"
-    return found
+        attributes["initial"] = "calculated"
+    return attributes
 
 
-def description_3(unit: Unit, _compiled: Sequence[str]) -> ET.Element:
+def describe_fmi_3(unit: Unit, _compiled: Sequence[str]) -> ET.Element:
+    """Return modelDescription.xml of FMI 3.0, which lists C files in a file of its own: `describe_build`."""
     root = ET.Element(
         "fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token, description=unit.description,
         generationTool="stt_codegen", variableNamingConvention="structured",
@@ -118,84 +135,89 @@ def description_3(unit: Unit, _compiled: Sequence[str]) -> ET.Element:
     )
     _units(root, unit)
     _log_categories(root, unit)
-    ET.SubElement(root, "DefaultExperiment", _experiment(unit))
+    ET.SubElement(root, "DefaultExperiment", _default_experiment(unit))
     variables = ET.SubElement(root, "ModelVariables")
-    for k, v in enumerate(_ordered(unit)):
-        given = _attributes(v, k)
+    for k, v in enumerate(_by_reference(unit)):
+        attributes = _variable_attributes(v, k)
         if v.settable or v.causality == "local":
-            given["start"] = v.begin
+            attributes["start"] = v.begin
         if v.unit:
-            given["unit"] = v.unit
-        ET.SubElement(variables, "Boolean" if v.truth else "Int32" if v.whole else "Float64", given)
+            attributes["unit"] = v.unit
+        ET.SubElement(variables, "Boolean" if v.is_boolean else "Int32" if v.is_integer else "Float64", attributes)
     structure = ET.SubElement(root, "ModelStructure")
     for tag, initial in (("Output", False), ("InitialUnknown", True)):
-        for k, known in _dependencies(unit, initial):
-            ET.SubElement(structure, tag, {"valueReference": str(k)} | _known(known))
+        for k, references in _dependencies(unit, initial):
+            ET.SubElement(structure, tag, {"valueReference": str(k)} | _dependency_attributes(references))
     return root
 
 
-def description_2(unit: Unit, compiled: Sequence[str]) -> ET.Element:
+def describe_fmi_2(unit: Unit, compiled: Sequence[str]) -> ET.Element:
+    """Return modelDescription.xml of FMI 2.0. compiled: names of the C files to compile."""
     root = ET.Element(
         "fmiModelDescription", fmiVersion="2.0", modelName=unit.name, guid=unit.token, description=unit.description,
         generationTool="stt_codegen", variableNamingConvention="structured", numberOfEventIndicators="0",
     )  # fmt: skip
-    own = ET.SubElement(
+    element = ET.SubElement(
         root, "CoSimulation", modelIdentifier=unit.name, canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUstate="true", canNotUseMemoryManagementFunctions="true",
     )  # fmt: skip
-    files = ET.SubElement(own, "SourceFiles")
+    files = ET.SubElement(element, "SourceFiles")
     for name in compiled:
         ET.SubElement(files, "File", name=name)
     _units(root, unit)
     _log_categories(root, unit)
-    ET.SubElement(root, "DefaultExperiment", _experiment(unit))
+    ET.SubElement(root, "DefaultExperiment", _default_experiment(unit))
     variables = ET.SubElement(root, "ModelVariables")
-    for k, v in enumerate(_ordered(unit)):
-        number = ET.SubElement(variables, "ScalarVariable", _attributes(v, k))
-        given = {"start": v.begin} if v.settable or v.causality == "local" else {}
+    for k, v in enumerate(_by_reference(unit)):
+        number = ET.SubElement(variables, "ScalarVariable", _variable_attributes(v, k))
+        attributes = {"start": v.begin} if v.settable or v.causality == "local" else {}
         if v.unit:
-            given["unit"] = v.unit
-        ET.SubElement(number, "Boolean" if v.truth else "Integer" if v.whole else "Real", given)
+            attributes["unit"] = v.unit
+        ET.SubElement(number, "Boolean" if v.is_boolean else "Integer" if v.is_integer else "Real", attributes)
     structure = ET.SubElement(root, "ModelStructure")
     for tag, initial in (("Outputs", False), ("InitialUnknowns", True)):
         table = ET.SubElement(structure, tag)
-        for k, known in _dependencies(unit, initial):  # counted from 1
-            ET.SubElement(table, "Unknown", {"index": str(k + 1)} | _known([j + 1 for j in known]))
+        for k, references in _dependencies(unit, initial):  # counted from 1
+            ET.SubElement(table, "Unknown", {"index": str(k + 1)} | _dependency_attributes([j + 1 for j in references]))
     return root
 
 
-def _ordered(unit: Unit) -> list[Variable]:
-    """By value reference."""
-    return sorted(unit.variables, key=lambda v: (v.truth, v.whole))
+def _by_reference(unit: Unit) -> list[Variable]:
+    """Return the variables in the order of their value references: doubles, integers, booleans."""
+    return sorted(unit.variables, key=lambda v: (v.is_boolean, v.is_integer))
 
 
 def _dependencies(unit: Unit, initial: bool) -> list[tuple[int, list[int]]]:
-    """What every output is made of, beside the time: of a controller all inputs, since one that is not finite stops all of u, but
-    the tube's edges none, unless the tube waits; of a plant its own start at the start, and later nothing that comes in."""
-    ordered = _ordered(unit)
+    """Return for each output its value reference and those of the variables that it depends on, time aside.
+
+    initial: at the start, where an output of a plant depends on its start value. Outputs of a controller depend on all inputs,
+    because one that is not finite stops all of u; edges of a tube depend on none, unless its time waits for the state.
+    """
+    ordered = _by_reference(unit)
     inputs = [k for k, v in enumerate(ordered) if v.causality == "input"]
-    starts = {v.of: [k] for k, v in enumerate(ordered) if v.of}
+    starts = {v.start_of: [k] for k, v in enumerate(ordered) if v.start_of}
     return [
-        (k, inputs if v.direct else starts.get(v.name, []) if initial else [])
+        (k, inputs if v.follows_inputs else starts.get(v.name, []) if initial else [])
         for k, v in enumerate(ordered)
         if v.causality == "output"
     ]
 
 
-def _known(known: Sequence[int]) -> dict[str, str]:
-    dependent = {"dependenciesKind": " ".join(["dependent"] * len(known))} if known else {}
-    return {"dependencies": " ".join(map(str, known))} | dependent
+def _dependency_attributes(references: Sequence[int]) -> dict[str, str]:
+    kinds = {"dependenciesKind": " ".join(["dependent"] * len(references))} if references else {}
+    return {"dependencies": " ".join(map(str, references))} | kinds
 
 
-def _experiment(unit: Unit) -> dict[str, str]:
-    return {"startTime": "0", "stopTime": unit.stop} | ({"stepSize": unit.step} if unit.step else {})
+def _default_experiment(unit: Unit) -> dict[str, str]:
+    return {"startTime": "0", "stopTime": unit.stop_time} | ({"stepSize": unit.step_size} if unit.step_size else {})
 
 
-def build_description(unit: Unit, compiled: Sequence[str]) -> ET.Element:
+def describe_build(unit: Unit, compiled: Sequence[str]) -> ET.Element:
+    """Return buildDescription.xml of FMI 3.0: which C files an importer compiles, and how."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
-    own = ET.SubElement(root, "BuildConfiguration", modelIdentifier=unit.name)
-    files = ET.SubElement(own, "SourceFileSet", language="C99", compilerOptions="-ffp-contract=off")
+    element = ET.SubElement(root, "BuildConfiguration", modelIdentifier=unit.name)
+    files = ET.SubElement(element, "SourceFileSet", language="C99", compilerOptions="-ffp-contract=off")
     for name in compiled:
         ET.SubElement(files, "SourceFile", name=name)
-    ET.SubElement(own, "Library", name="m", external="true")
+    ET.SubElement(element, "Library", name="m", external="true")
     return root

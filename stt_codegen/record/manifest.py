@@ -1,7 +1,7 @@
-"""The record of what was generated from what: MANIFEST.json beside the folders <task>/<design>/<scalar>/.
+"""The record of which folder was generated from which task: MANIFEST.json beside the folders <task>/<design>/<scalar>/.
 
-`record` writes a controller into its folder and notes it; `replay` makes every recorded folder again. Files are
-replaced whole or not at all.
+`record` writes a controller into its folder and the manifest; `build_again` builds a recorded controller from its task file.
+record/check.py compares the two.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from stt_codegen.pipeline import EmittedController, build
 from stt_codegen.record.files import write_files
 
 MANIFEST = "MANIFEST.json"
-FORMAT = 1
+MANIFEST_FORMAT = 1
 TOOLS = ("casadi", "highspy", "jinja2", "numpy")
 
 
 @dataclass(frozen=True)
-class Entry:
-    """One recorded folder: where its task file is (relative to the manifest's folder) and with which options."""
+class RecordedFolder:
+    """One recorded folder, its task file and its options. Paths are relative to the manifest's folder; sha256: by file name."""
 
     folder: str
     task: str
@@ -39,7 +39,10 @@ class Entry:
 
 
 def record(root: Path, task_file: Path, controller: EmittedController, uncertified: bool) -> Path:
-    """Write a controller to root/<task>/<design>/<scalar>/ and note it in root/MANIFEST.json. Returns the folder."""
+    """Write a controller to root/<task>/<design>/<scalar>/ and enter it in root/MANIFEST.json. Returns the folder.
+
+    Raises `BadInput` where another task file of this name is recorded.
+    """
     task = controller.task
     name = folder_of(controller)
     entries = {e.folder: e for e in read_manifest(root)} if (root / MANIFEST).exists() else {}
@@ -47,7 +50,7 @@ def record(root: Path, task_file: Path, controller: EmittedController, uncertifi
     for entry in entries.values():
         if entry.folder.split("/")[0].lower() == task.name.lower() and entry.task != source:
             raise BadInput(f"{task_file}: the name {task.name!r} is recorded for {entry.task} already; choose another name")
-    entries[name] = Entry(
+    entries[name] = RecordedFolder(
         folder=name,
         task=source,
         design=controller.design.kind,
@@ -60,7 +63,8 @@ def record(root: Path, task_file: Path, controller: EmittedController, uncertifi
     return root / name
 
 
-def _manifest_text(entries: dict[str, Entry]) -> bytes:
+def _manifest_text(entries: dict[str, RecordedFolder]) -> bytes:
+    """Return MANIFEST.json with the recorded folders, which are given by name."""
     folders = {}
     for name in sorted(entries):
         entry = entries[name]
@@ -68,25 +72,26 @@ def _manifest_text(entries: dict[str, Entry]) -> bytes:
         if entry.uncertified:
             options["uncertified"] = True
         folders[name] = {"task": entry.task, "options": options, "sha256": dict(sorted(entry.sha256.items()))}
-    document = {"format": FORMAT, "tools": tool_versions(), "folders": folders}
+    document = {"format": MANIFEST_FORMAT, "tools": tool_versions(), "folders": folders}
     return (json.dumps(document, indent=2) + "\n").encode()
 
 
 def tool_versions() -> dict[str, str]:
-    """Versions that could matter to the output; reported when they differ, never compared."""
+    """Return the versions of tools that could change the output. `check` prints changed ones; they are no difference."""
     versions = {name: importlib.metadata.version(name) for name in TOOLS}
     return {"stt_codegen": __version__, "python": platform.python_version(), **versions}
 
 
-def read_manifest(root: Path) -> list[Entry]:
-    """The recorded folders. Raises `BadInput` when there is no readable manifest."""
+def read_manifest(root: Path) -> list[RecordedFolder]:
+    """Return the recorded folders. Raises `BadInput` when there is no readable manifest."""
     path = root / MANIFEST
     try:
         document = json.loads(path.read_bytes())
-        if document["format"] != FORMAT:
-            raise BadInput(f"{path}: has format {document['format']!r:.20}, this version writes {FORMAT}; record the tasks again")
+        if document["format"] != MANIFEST_FORMAT:
+            problem = f"has format {document['format']!r:.20}, this version writes {MANIFEST_FORMAT}"
+            raise BadInput(f"{path}: {problem}; record the tasks again")
         return [
-            Entry(
+            RecordedFolder(
                 folder=str(folder),
                 task=str(data["task"]),
                 design=str(data["options"]["design"]),
@@ -107,13 +112,13 @@ def read_manifest(root: Path) -> list[Entry]:
 
 
 def recorded_tools(root: Path) -> dict[str, str]:
-    """The tool versions that the manifest names."""
+    """Return the tool versions that the manifest names."""
     tools = json.loads((root / MANIFEST).read_bytes()).get("tools")
     return {str(k): str(v) for k, v in tools.items()} if isinstance(tools, dict) else {}
 
 
-def forget(root: Path, folder: str) -> None:
-    """Remove a recorded folder's files and its record; other files in it stay."""
+def remove_folder(root: Path, folder: str) -> None:
+    """Remove a recorded folder from the manifest, and its recorded files; other files in it stay."""
     entries = {e.folder: e for e in read_manifest(root)}
     for name in entries.pop(folder).sha256:
         (root / folder / name).unlink(missing_ok=True)
@@ -124,13 +129,13 @@ def forget(root: Path, folder: str) -> None:
     write_files(root, {MANIFEST: _manifest_text(entries)})
 
 
-def make(root: Path, entry: Entry) -> EmittedController | None:
-    """A recorded controller again, from its task file and options; None when its task file is gone."""
+def build_again(root: Path, entry: RecordedFolder) -> EmittedController | None:
+    """Build a recorded controller from its task file and options; None when its task file is gone."""
     if not (root / entry.task).exists():
         return None
     return build(root / entry.task, entry.design, entry.scalar, entry.uncertified)
 
 
 def folder_of(controller: EmittedController) -> str:
-    """Where a controller is recorded, relative to the manifest's folder."""
+    """Return the folder that a controller is recorded in, relative to the manifest's folder."""
     return f"{controller.task.name}/{controller.design.kind}/{controller.program.scalar}"

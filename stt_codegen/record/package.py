@@ -1,4 +1,7 @@
-"""The emitted files as something that a build system, a simulator or ROS takes. One kind is one entry of `KINDS`."""
+"""Package the emitted files for a build system, a simulator or ROS. Each kind of package is one entry of `KINDS`.
+
+`generate --package` and the Python interface call `package`.
+"""
 
 from __future__ import annotations
 
@@ -29,42 +32,44 @@ from stt_codegen.record.fmu import fmu_units
 from stt_codegen.record.ros2 import ros2_package
 from stt_codegen.record.sketch import sketch_words
 
-CMAKE_TARGETS = frozenset(  # what no library may be called (CMake, policy CMP0037, and its generators)
+CMAKE_TARGETS = frozenset(  # names that no library may have (CMake, policy CMP0037, and its generators)
     "all help clean edit_cache rebuild_cache install preinstall test package package_source "
     "ALL_BUILD ZERO_CHECK INSTALL RUN_TESTS PACKAGE".split()
 )
 ARDUINO_HEADERS = frozenset("arduino avr binary client hid ipaddress print printable server spi stream udp wire wiring".split())
-# By kind of package: which names of tasks its tools cannot take, and what these are, as the end of a sentence.
+# By kind of package: whether its tools refuse a task's name, and why, as the end of a sentence.
 RESERVED_NAMES: Mapping[str, tuple[Callable[[str], bool], str]] = {
     "cmake": (lambda name: name in CMAKE_TARGETS, "a target of CMake's own"),
     "arduino": (lambda name: name.lower() in ARDUINO_HEADERS, "a header of Arduino's own"),
     "platformio": (lambda name: name.lower() in ARDUINO_HEADERS, "a header of Arduino's own"),
     "ros2": (lambda name: "__" in f"{name}_", "no name of a ROS package, which has no two underscores in a row"),
 }
-NO_INTEGERS = "takes and gives real numbers, and this controller has none; use --scalar float"
+NEEDS_REAL_NUMBERS = "takes and gives real numbers, and this controller has none; use --scalar float"
 
 
 def package(controller: EmittedController, kind: str, plant: Model | None = None) -> Files:
-    """The files by path. kind: of `KINDS`; plant: for `fmu` alone, of which units are made too. Raises `BadInput` for what a kind
-    cannot have, `MissingTool` without what it takes."""
-    is_reserved, what = RESERVED_NAMES.get(kind, (lambda _: False, ""))
+    """Return the files of a package by path. kind: of `KINDS`; plant: for `fmu` alone, gets units too.
+
+    Raises `BadInput` where the kind cannot hold this controller, `MissingTool` without its compiler.
+    """
+    is_reserved, reason = RESERVED_NAMES.get(kind, (lambda _: False, ""))
     if is_reserved(controller.task.name):
-        raise BadInput(f"name: {controller.task.name!r} is {what}; choose another name, or another --package")
+        raise BadInput(f"name: {controller.task.name!r} is {reason}; choose another name, or another --package")
     if kind == "fmu":
         if controller.program.tick is not None:
-            raise BadInput(f"--package fmu: {NO_INTEGERS}")
+            raise BadInput(f"--package fmu: {NEEDS_REAL_NUMBERS}")
         if controller.task.closed_axes:
             raise BadInput("--package fmu: a unit does not count turns (periodic); package the C, which has <p>_unwrap")
         return fmu_units(controller, plant)
     if plant is not None:
         raise BadInput("--plant: is for --package fmu; leave it out")
     if kind == "ros2" and controller.program.tick is not None:
-        raise BadInput(f"--package ros2: {NO_INTEGERS}")
+        raise BadInput(f"--package ros2: {NEEDS_REAL_NUMBERS}")
     return KINDS[kind](controller)
 
 
 def _library(kind: str, controller: EmittedController) -> Files:
-    """In a folder <p>/: sources in src/, the certificate and the Python in extras/, and what the build system reads."""
+    """Return a folder <p>/ for a build system: its files, the C in src/, the certificate and the Python in extras/."""
     prefix = controller.task.name
     header, source, module, proof = file_names(prefix)
     inline, integers = controller.task.emit.math == "inline", controller.program.tick is not None
@@ -86,27 +91,29 @@ def _library(kind: str, controller: EmittedController) -> Files:
         "first_state": ", ".join(map(decimal, controller.task.initial_state)),
         **(sketch_words(controller) if kind in ("arduino", "platformio") else {}),
     }
-    own = {
+    template_names = {
         "cmake": {"CMakeLists.txt": "CMakeLists.txt"},
         "arduino": {"library.properties": "library.properties", f"examples/{prefix}_loop/{prefix}_loop.ino": sketch},
         "platformio": {"library.json": "library.json", f"examples/{prefix}_loop/{prefix}_loop.ino": sketch},
     }[kind]
-    if kind == "platformio" and integers:  # whose boards are many
-        own[f"examples/{prefix}_loop/platformio.ini"] = "platformio.ini"
-    small = (guard_name, phase_name, wrap_name, unwrap_name, selftest_name)
-    sources = [n for n in (header, source, *(name_of(prefix) for name_of in small)) if n in controller.files]
+    if kind == "platformio" and integers:  # the example of integers names boards without a floating-point unit
+        template_names[f"examples/{prefix}_loop/platformio.ini"] = "platformio.ini"
+    optional = (guard_name, phase_name, wrap_name, unwrap_name, selftest_name)
+    sources = [n for n in (header, source, *(name_of(prefix) for name_of in optional)) if n in controller.files]
     words["sources"] = " ".join(f"src/{name}" for name in sources if name.endswith(".c"))
     files = {f"src/{name}": controller.files[name] for name in sources}
     files |= {
         f"extras/{name}": controller.files[name] for name in (module, proof, spelled_name(prefix)) if name in controller.files
     }
-    files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in own.items()}
+    files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in template_names.items()}
     return {f"{prefix}/{path}": data for path, data in files.items()}
 
 
 def _of_language(target: TargetLanguage, controller: EmittedController) -> Files:
-    """In a folder <p>/: the package of a language of the task, with its sources where its build system looks for them. Its tests
-    call `control` where u is known (as `emit.selftest` does), where so much can be told of u."""
+    """Return a folder <p>/ for the build system of a target language, such as Rust, with the sources where it looks for them.
+
+    Its tests call `control` at points where u is known, as `emit.selftest` does, unless rounding hides u there.
+    """
     task, layout = controller.task, target.package
     assert layout is not None
     words: dict[str, Any] = {
@@ -120,9 +127,9 @@ def _of_language(target: TargetLanguage, controller: EmittedController) -> Files
     files |= {path: controller.files[task.name + suffix] for suffix, path in layout.sources.items()}
     if layout.selftest is not None:
         path, name = layout.selftest
-        with suppress(BadInput):  # too much rounding to tell
-            known = suites(task, controller.design, controller.program)
-            files[path] = template(f"{target.key}/{name}").render(**words, suites=known).encode()
+        with suppress(BadInput):  # rounding hides u: a package without tests
+            test_suites = suites(task, controller.design, controller.program)
+            files[path] = template(f"{target.key}/{name}").render(**words, suites=test_suites).encode()
     _, _, module, proof = file_names(task.name)
     files |= {
         f"extras/{name}": controller.files[name] for name in (module, proof, spelled_name(task.name)) if name in controller.files

@@ -1,6 +1,7 @@
-"""The times of the example sketch: how often it samples, which gap between two samples is still proved, how it counts time.
+"""Choose the times of the Arduino example sketch: how often it samples, and up to which gap between samples it is proved.
 
-Time comes from the board's micros(), in whole microseconds that are counted on. Nothing is lost by a step that takes long.
+The sketch counts the microseconds of the board's micros(), so no time is lost when a step takes long. record/package.py calls
+`sketch_words`, `generate` prints `sketch_notes`.
 """
 
 from __future__ import annotations
@@ -15,20 +16,23 @@ from stt_codegen.emit import clock_words
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.properties import Property
-from stt_codegen.record.uno import CLOCK, ERROR, INTEGERS_SHARE, step_cycles
+from stt_codegen.record.uno import CLOCK_FREQUENCY, INTEGER_TO_FLOAT_RATIO, RELATIVE_ERROR, step_cycles
 from stt_codegen.report import input_report
 
-LOOP_PERIOD = Fraction(1, 100)  # seconds, the longest between the sketch's samples where no longer one is demanded
-JITTER_SHARE = Fraction(1, 10)  # of the longest gap: how late a sample may be before the gap is longer than what is proved
-MICROS_STEP = 4  # microseconds that micros() of an Uno counts by
-SETTLING_STEPS = 2000  # of alpha over t_c, where the certificate says nothing of its steps
+DEFAULT_PERIOD = Fraction(1, 100)  # seconds between samples of the sketch, unless the task needs longer or shorter ones
+JITTER_SHARE = Fraction(1, 10)  # of the longest proved gap, left for samples that come late
+MICROS_RESOLUTION = 4  # microseconds, of micros() on an Uno
+ALPHA_STEPS = 2000  # from 0 to t_c, where the certificate does not bound the steps of alpha
 MICROSECOND = Fraction(1, 10**6)
 
 
 @dataclass(frozen=True)
 class LoopTimes:
-    """Seconds. period: from a sample to the next, as the sketch wants it. longest: the longest gap that is proved, None where no
-    gap as long as the period is; source: what proves it, for the comment beside it."""
+    """Times of the sketch in seconds.
+
+    period: from one sample to the next. longest: the longest gap that is proved, None where the period is not. source: what
+    proves it, for a comment in the sketch.
+    """
 
     period: Fraction
     longest: Fraction | None
@@ -36,23 +40,25 @@ class LoopTimes:
 
     @property
     def longest_us(self) -> int:
-        """Microseconds beyond which the sketch says `late`, on the safe side of what micros() counts by; without a proof a missed
-        step's."""
+        """Return the gap in microseconds beyond which the sketch sets `late`, rounded down by the resolution of micros().
+
+        Without a proof it is one and a half periods, so that a missed step counts as late.
+        """
         if self.longest is None:
             return math.floor(self.period * Fraction(3, 2) / MICROSECOND)
-        return max(0, math.floor(self.longest / MICROSECOND) - MICROS_STEP)
+        return max(0, math.floor(self.longest / MICROSECOND) - MICROS_RESOLUTION)
 
 
 def loop_times(controller: EmittedController) -> LoopTimes:
-    """How often the sketch samples: every tick; else within what is proved, with a tenth of it for samples that come late."""
+    """Choose how often the sketch samples: every tick, else the proved gap less `JITTER_SHARE`, within the limits of the task."""
     task, steps = controller.task, controller.certificate.steps
     longest, source = _longest_gap(controller)
-    period = LOOP_PERIOD if longest is None else longest * (1 - JITTER_SHARE)
+    period = DEFAULT_PERIOD if longest is None else longest * (1 - JITTER_SHARE)
     if task.emit.tick_period is not None:
         period = task.emit.tick_period
     else:
         if task.control.period is None:
-            period = min(LOOP_PERIOD, period)
+            period = min(DEFAULT_PERIOD, period)
         if task.uses_differences:
             period = max(period, task.shortest_period)
         if steps is not None:
@@ -63,7 +69,7 @@ def loop_times(controller: EmittedController) -> LoopTimes:
 
 
 def _longest_gap(controller: EmittedController) -> tuple[Fraction | None, str]:
-    """Seconds between samples for which the state is proved to stay in the tube, and what says so; None where nothing does."""
+    """Return the longest gap in seconds for which the state is proved to stay in the tube, and what proves it."""
     if not controller.certificate.holds:
         return None, ""
     if controller.certificate.proved_period is not None:
@@ -82,12 +88,17 @@ def _floor_us(seconds: Fraction) -> int:
 
 
 def sketch_words(controller: EmittedController) -> dict[str, Any]:
-    """What the sketches' templates need of time, sensors and actuators. Raises `BadInput` for ticks that no micros() tells."""
+    """Return the numbers of time, sensors and actuators for the sketches' templates, as text or integers.
+
+    Raises `BadInput` for ticks shorter than the resolution of micros().
+    """
     task, times, steps = controller.task, loop_times(controller), controller.certificate.steps
     tick = task.emit.tick_period
-    if tick is not None and tick < MICROS_STEP * MICROSECOND:
-        problem = f"is {float(tick / MICROSECOND):g} us; an Uno's micros() counts by {MICROS_STEP} us"
-        raise BadInput(f"emit.tick_period: {problem}: give at least 0.{MICROS_STEP:06d} s, or take --package plain or cmake")
+    if tick is not None and tick < MICROS_RESOLUTION * MICROSECOND:
+        problem = f"is {float(tick / MICROSECOND):g} us; an Uno's micros() counts by {MICROS_RESOLUTION} us"
+        raise BadInput(
+            f"emit.tick_period: {problem}: give at least 0.{MICROS_RESOLUTION:06d} s, or take --package plain or cmake"
+        )
     period, cycle = times.period / MICROSECOND, cycle_of(controller.design)
     words: dict[str, Any] = {
         "clock": clock_words(task),
@@ -101,7 +112,7 @@ def sketch_words(controller: EmittedController) -> dict[str, Any]:
         "proved_by": "" if times.longest is None else times.source,
         "shortest_us": _ceil_us(task.shortest_period) if task.uses_differences else 0,
         "latency_us": _floor_us(task.control.latency),
-        "alpha_us": _floor_us(steps[1] if steps else task.prescribed_time / SETTLING_STEPS),
+        "alpha_us": _floor_us(steps[1] if steps else task.prescribed_time / ALPHA_STEPS),
     }
     if cycle is not None:
         length = cycle.length / MICROSECOND
@@ -117,19 +128,21 @@ def sketch_words(controller: EmittedController) -> dict[str, Any]:
 
 
 def sketch_notes(controller: EmittedController) -> list[str]:
-    """What is known beforehand of the sketch's time: a tick that leaves no room, a step longer than its period on an Uno."""
+    """Return notes on the sketch's time: a tick that leaves no margin for lateness, a step longer than its period on an Uno."""
     times, notes, cycles = loop_times(controller), [], step_cycles(controller)
     if times.longest is not None and times.longest_us * MICROSECOND < times.period:
         cause = f"the sketch samples every {_milliseconds(times.period)}, and {_milliseconds(times.longest)} is {times.source}"
         remedy = "state a control.period of two ticks" if controller.task.emit.tick_period else "no board keeps that"
         notes.append(f"{cause}: a sample that is microseconds late sets `late`; {remedy}")
-    limit = times.period if times.longest is None else times.longest
-    if cycles is not None and Fraction(cycles, CLOCK) * (1 + ERROR) > limit:
-        step = Fraction(cycles, CLOCK)
-        what = "the sketch's period" if times.longest is None else times.source
-        cause = f"a step takes about {_milliseconds(step)} on an Uno (16 MHz; an estimate), and {_milliseconds(limit)} is {what}"
-        integers = controller.program.scalar == "fixed"
-        remedy = "" if integers or step * INTEGERS_SHARE > limit else '; emit.scalar = "fixed" takes less than half of that'
+    limit, limit_source = times.longest, times.source
+    if limit is None:
+        limit, limit_source = times.period, "the sketch's period"
+    if cycles is not None and Fraction(cycles, CLOCK_FREQUENCY) * (1 + RELATIVE_ERROR) > limit:
+        step = Fraction(cycles, CLOCK_FREQUENCY)
+        estimate = f"a step takes about {_milliseconds(step)} on an Uno (16 MHz; an estimate)"
+        cause = f"{estimate}, and {_milliseconds(limit)} is {limit_source}"
+        integers_help = controller.program.scalar != "fixed" and step * INTEGER_TO_FLOAT_RATIO <= limit
+        remedy = '; emit.scalar = "fixed" takes less than half of that' if integers_help else ""
         notes.append(f"{cause}: it will be late there, and says so by `late`{remedy}")
     return notes
 

@@ -16,8 +16,8 @@ from stt_codegen.cli.options import PACKAGES
 from stt_codegen.errors import BadInput
 from stt_codegen.record.check import check, describe_numbers
 from stt_codegen.record.files import write_files
+from stt_codegen.record.overwriting import refuse_to_overwrite_certified
 from stt_codegen.record.package import KINDS, package
-from stt_codegen.record.standing import keep_certified
 from stt_codegen.task.load import load_task
 from tests.support.command_line import run_command, run_in_new_process
 from tests.support.controllers import ROOT, built, controller_of
@@ -95,7 +95,7 @@ def test_missing_extra_and_line_end_changes_are_noticed(recorded) -> None:
     (folder / "empty.h").unlink()
     (folder / "extra.c").write_text("int x;\n")
     (folder / "empty.c").write_bytes((folder / "empty.c").read_bytes().replace(b"\n", b"\r\n"))
-    found = {(d.path.rsplit("/", 1)[1], d.what) for d in check(recorded / "generated")}
+    found = {(d.path.rsplit("/", 1)[1], d.problem) for d in check(recorded / "generated")}
     assert ("empty.h", "is missing") in found
     assert ("extra.c", "is not recorded in the manifest; delete it (--accept leaves it alone)") in found
     assert ("empty.c", "differs") in found
@@ -258,15 +258,15 @@ def test_every_kind_of_package_is_known_to_be_certified(tmp_path) -> None:
     controller = built(load_task(ROOT / "tasks" / "omni_s3.toml").changed(emit={"rust": True}))
     for kind in KINDS:
         files = package(controller, kind)
-        keep_certified(tmp_path / kind, files)  # there is none yet
+        refuse_to_overwrite_certified(tmp_path / kind, files)  # there is none yet
         write_files(tmp_path / kind, files)
-        keep_certified(tmp_path / kind, files)  # the same again
+        refuse_to_overwrite_certified(tmp_path / kind, files)  # the same again
         (seal,) = [data for path, data in files.items() if path.endswith(".certificate.json")] or [b'{"sha256": {}}']
         mine = [p for p in files if Path(p).name in json.loads(seal)["sha256"] or p.endswith((".certificate.json", ".fmu"))]
         assert mine
         for path in mine:  # one of them alone, without its certificate
             with pytest.raises(BadInput, match="holds a certified 'omni_s3'"):
-                keep_certified(tmp_path / kind, {path: b"other"})
+                refuse_to_overwrite_certified(tmp_path / kind, {path: b"other"})
 
 
 def test_what_is_certified_is_not_replaced_by_another_task_or_another_kind_of_package(tmp_path) -> None:

@@ -21,7 +21,7 @@ from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.record.files import write_files
-from stt_codegen.record.ros2 import ros2_package, sources_of
+from stt_codegen.record.ros2 import message_kinds, ros2_package
 from stt_codegen.task.load import load_task
 from tests.support.controllers import ROOT, built
 
@@ -285,7 +285,7 @@ def test_the_package_builds_and_calls_the_c(name: str, outside: str, tmp_path, t
     parameters = yaml.safe_load((tmp_path / package / "config" / f"{name}.yaml").read_text())[name]["ros__parameters"]
     node = (tmp_path / package / package / "node.py").read_text()
     assert all(f'"{key}": ' in node for key in parameters)
-    state, command, axes = sources_of(controller.task)
+    state, command, axes = message_kinds(controller.task)
     assert (parameters["state"], parameters["command"]) == (state, command)
     assert len(axes) == controller.task.dimension
     sys.path.insert(0, str(tmp_path / package))
@@ -333,12 +333,12 @@ def test_what_is_late_is_logged_once_a_mission_with_its_figures(drive) -> None:
 
 def test_axes_say_what_is_listened_to() -> None:
     task = load_task(TASKS / "omni_s2.toml")
-    assert sources_of(task)[:2] == ("array", "array")
-    assert sources_of(task.changed(axes=["x", "y"])) == ("odometry", "twist", ["x", "y"])
-    assert sources_of(load_task(TASKS / "base.toml"))[:2] == ("odometry", "accel")
-    assert sources_of(task.changed(axes=["x", "heading"])) == ("odometry", "twist", ["x", "yaw"])
-    assert sources_of(task.changed(axes=["shoulder", "elbow"])) == ("joints", "array", ["shoulder", "elbow"])
-    assert sources_of(task.changed(axes=["yaw", "heading"]))[0] == "joints"  # not the same twice
+    assert message_kinds(task)[:2] == ("array", "array")
+    assert message_kinds(task.changed(axes=["x", "y"])) == ("odometry", "twist", ["x", "y"])
+    assert message_kinds(load_task(TASKS / "base.toml"))[:2] == ("odometry", "accel")
+    assert message_kinds(task.changed(axes=["x", "heading"])) == ("odometry", "twist", ["x", "yaw"])
+    assert message_kinds(task.changed(axes=["shoulder", "elbow"])) == ("joints", "array", ["shoulder", "elbow"])
+    assert message_kinds(task.changed(axes=["yaw", "heading"]))[0] == "joints"  # not the same twice
 
 
 def test_what_has_no_package_is_refused_and_the_command_writes_the_others(tmp_path) -> None:

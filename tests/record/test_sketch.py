@@ -24,8 +24,8 @@ from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
-from stt_codegen.record.sketch import MICROS_STEP, LoopTimes, loop_times, sketch_notes
-from stt_codegen.record.uno import ERROR, step_cycles
+from stt_codegen.record.sketch import MICROS_RESOLUTION, LoopTimes, loop_times, sketch_notes
+from stt_codegen.record.uno import RELATIVE_ERROR, step_cycles
 from stt_codegen.task.load import load_task
 from tests.support.controllers import ROOT, built
 
@@ -284,7 +284,7 @@ def test_late_is_set_by_the_first_gap_that_is_longer_than_what_is_proved_and_sta
         assert step.late == (expected > 0)
         assert step.late or step.led == 0
     if times.longest is not None:  # in truth a gap is less than what micros() counts by longer than what it shows
-        assert times.longest_us == 0 or times.longest_us * US + MICROS_STEP * US <= times.longest
+        assert times.longest_us == 0 or times.longest_us * US + MICROS_RESOLUTION * US <= times.longest
 
 
 def test_an_input_later_than_the_latency_is_late_too(drive) -> None:
@@ -381,4 +381,4 @@ def test_the_estimate_of_an_unos_cycles_is_near_what_is_counted(name: str, scala
     controller = built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(scalar=scalar))
     estimate = step_cycles(controller)
     assert estimate is not None
-    assert abs(Fraction(estimate, counted(controller, 12)) - 1) <= ERROR
+    assert abs(Fraction(estimate, counted(controller, 12)) - 1) <= RELATIVE_ERROR

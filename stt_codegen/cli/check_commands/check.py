@@ -33,14 +33,14 @@ def check(
         print_json(
             {
                 "differences": [
-                    {"path": d.path, "what": d.what, "numbers": d.numbers, "diff": list(d.diff)} for d in differences
+                    {"path": d.path, "what": d.problem, "numbers": d.numbers, "diff": list(d.diff)} for d in differences
                 ],
                 "changed_tools": tools,
             }
         )
     else:
         for d in differences:
-            print(f"{d.path}: {d.what}" + (f" ({d.numbers})" if d.numbers else ""))
+            print(f"{d.path}: {d.problem}" + (f" ({d.numbers})" if d.numbers else ""))
             for line in d.diff:
                 print(f"    {line}")
         for line in tools:
@@ -49,6 +49,6 @@ def check(
             count = counted(len(differences), "difference")
             print(f"\n{count}. To accept what the tool makes now:  stt-codegen check {folder} --accept")
         else:
-            print(f"{folder}: {counted(checks.folders(folder), 'folder')}, no difference")
+            print(f"{folder}: {counted(checks.folder_count(folder), 'folder')}, no difference")
     if differences:
         raise typer.Exit(1)

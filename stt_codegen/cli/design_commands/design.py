@@ -37,11 +37,11 @@ def design(
         controller = build(task, design, scalar, uncertified)
         report = design_report(controller, time.perf_counter() - begin)
         if picture is not None:
-            from stt_codegen.record import keep_inputs
+            from stt_codegen.record import refuse_to_overwrite_inputs
             from stt_codegen.report.pictures import draw, picture_path, plane_named
 
             path = picture_path(picture, controller.task.name)
-            keep_inputs([path], [task])
+            refuse_to_overwrite_inputs([path], [task])
             draw(controller, path, [plane_named(controller.task, text) for text in axes or ()])
             report = report.drawn(path)
     if json:
@@ -62,11 +62,11 @@ def _compare_tubes(task: Path, design: str | None, scalar: str | None, picture: 
         with about(task):
             report = trade_report(load_task(task).with_options(design, scalar))
         if picture is not None:
-            from stt_codegen.record import keep_inputs
+            from stt_codegen.record import refuse_to_overwrite_inputs
             from stt_codegen.report.pictures import draw_trade, picture_path
 
             path = picture_path(picture, f"{report.task}-pareto")
-            keep_inputs([path], [task])
+            refuse_to_overwrite_inputs([path], [task])
             draw_trade(report, path)
             report = report.drawn(path)
     if json:

@@ -111,17 +111,17 @@ def _files_of_all(controllers: Controllers, *, package: str, plant: str | None, 
 
 def _require_safe_targets(controllers: Controllers, contents: list[dict[str, bytes]], record: Path | None, out: Path) -> None:
     """Raise `BadInput` where a file would replace a task, a certified controller, or a file of another task."""
-    from stt_codegen.record import folder_of, keep_apart, keep_certified, keep_inputs
+    from stt_codegen.record import folder_of, refuse_to_overwrite_certified, refuse_to_overwrite_inputs, require_distinct_paths
 
     targets = [
         files if record is None else {f"{folder_of(controller)}/{path}": data for path, data in files.items()}
         for (_, controller), files in zip(controllers, contents, strict=True)
     ]
-    keep_apart([controller.task.name for _, controller in controllers], targets)
+    require_distinct_paths([controller.task.name for _, controller in controllers], targets)
     folder = out if record is None else record
     for files in targets:
-        keep_inputs([folder / path for path in files], [task for task, _ in controllers])
-        keep_certified(folder, files)
+        refuse_to_overwrite_inputs([folder / path for path in files], [task for task, _ in controllers])
+        refuse_to_overwrite_certified(folder, files)
 
 
 def _write_all(
