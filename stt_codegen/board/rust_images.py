@@ -11,7 +11,13 @@ from stt_codegen.errors import MissingTool
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets import run_compiler
 from stt_codegen.program.targets.rust import RustPrinter
-from stt_codegen.program.targets.rust.runner import EDITION, OPTIMIZED, compilers, controller_library, interface
+from stt_codegen.program.targets.rust.runner import (
+    EDITION,
+    OPTIMIZED,
+    compile_controller_library,
+    find_rust_compilers,
+    write_c_interface,
+)
 
 
 @cache
@@ -21,7 +27,7 @@ def core_library(target: str) -> tuple[str, str]:
     The library is the installed one, or compiled from its source (about half a minute, once a process). Raises `MissingTool`
     where there is neither.
     """
-    for rustc in compilers():
+    for rustc in find_rust_compilers():
         sysroot = subprocess.run([rustc, "--print", "sysroot"], capture_output=True, text=True, check=False)
         root = Path(sysroot.stdout.strip()) / "lib" / "rustlib"
         installed = sorted((root / target / "lib").glob("libcore-*.rlib"))
@@ -31,7 +37,7 @@ def core_library(target: str) -> tuple[str, str]:
         if source.is_file():
             return rustc, _compile_core(rustc, target, source)
     raise MissingTool(
-        f"{' and '.join(compilers())}: no core library for {target}; rustup target add {target}, or its source "
+        f"{' and '.join(find_rust_compilers())}: no core library for {target}; rustup target add {target}, or its source "
         "(Debian: apt-get install rustc rust-src)"
     )
 
@@ -99,10 +105,10 @@ def board_objects(controller: EmittedController, target: str, folder: Path) -> l
             mathematics,
         ]
     )
-    rlib = controller_library(
+    rlib = compile_controller_library(
         controller, rustc, where, (*for_target, "--extern", f"libm={mathematics}", "--cfg", 'feature="libm"')
     )
-    abi, abi_object = interface(program, where, board=True), f"{where}/abi.o"
+    abi, abi_object = write_c_interface(program, where, board=True), f"{where}/abi.o"
     linked = ("--extern", f"{program.prefix}={rlib}", "-L", where)
     run_compiler(
         [rustc, *EDITION, *OPTIMIZED, "--crate-type", "lib", "--emit", "obj", *for_target, *linked, abi, "-o", abi_object]

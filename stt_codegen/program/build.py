@@ -1,4 +1,7 @@
-"""Putting a Program together: statements one after the other, with names used once."""
+"""Builders of statements: `Block` collects the statements of a kernel or function, and gives every variable a name of its own.
+
+`controller/` makes its kernels and functions with it.
+"""
 
 from __future__ import annotations
 
@@ -27,58 +30,69 @@ from stt_codegen.program.operations import INT, Type
 
 @dataclass
 class Block:
-    """Builds a list of statements with names used once."""
+    """Builds a list of statements in which every name is used once.
 
-    taken: set[str] = field(default_factory=set)
+    block = Block()
+    double = block.op("double", "add", x, x)  # the statement double = x + x
+    """
+
+    used_names: set[str] = field(default_factory=set)
     statements: list[Statement] = field(default_factory=list)
-    counts: dict[str, int] = field(default_factory=dict)  # the last number behind each name
+    suffixes: dict[str, int] = field(default_factory=dict)  # the last number that was put behind each name
 
     def fresh(self, name: str, kind: Type) -> Var:
-        """A variable of that name, with a number behind it when the name is taken."""
-        k = self.counts.get(name, 1)
+        """Return a variable of that name, with a number behind it where the name is used already."""
+        k = self.suffixes.get(name, 1)
         candidate = name if k == 1 else f"{name}{k}"
-        while candidate in self.taken:
+        while candidate in self.used_names:
             k += 1
             candidate = f"{name}{k}"
-        self.taken.add(candidate)
-        self.counts[name] = k
+        self.used_names.add(candidate)
+        self.suffixes[name] = k
         return Var(candidate, kind)
 
     def let(self, name: str, value: Expression) -> Var:
+        """Assign an expression to a new variable, and return it."""
         var = self.fresh(name, type_of(value))
         self.statements.append(Assign(var, value))
         return var
 
     def op(self, name: str, operation: str, *args: Operand) -> Var:
+        """Assign an operation, a key of OPERATIONS, to a new variable."""
         return self.let(name, Op(operation, args))
 
     def select(self, name: str, condition: Operand, then: Operand, otherwise: Operand) -> Var:
+        """Assign `then` where a truth value holds, else `otherwise`."""
         return self.let(name, Select(condition, then, otherwise))
 
     def call(self, kernel: Kernel, *args: Operand, names: Sequence[str] = ()) -> tuple[Var, ...]:
+        """Call a kernel, and return its results; names: of the results, in place of the names of the kernel's outputs."""
         kinds = [o.type for o in kernel.outputs]
         results = tuple(self.fresh(n, t) for n, t in zip(names or kernel.output_names, kinds, strict=True))
         self.statements.append(Call(results, kernel.name, args))
         return results
 
     def store(self, array: str, index: Operand, value: Operand) -> None:
+        """Write one entry of an output array."""
         self.statements.append(Store(array, index, value))
 
     @contextmanager
-    def loop(self, index: str, count: int) -> Iterator[Loop]:
-        """A loop over 0 .. count - 1; carried values are declared on the object it yields."""
+    def loop(self, index: str, count: int) -> Iterator[LoopBuilder]:
+        """Build a loop over 0 .. count - 1; statements made within it are its body, and carried values are declared on what it
+        yields."""
         outer, self.statements = self.statements, []
-        handle = Loop(self, self.fresh(index, INT))
-        yield handle
+        builder = LoopBuilder(self, self.fresh(index, INT))
+        yield builder
         body, self.statements = self.statements, outer
-        self.statements.append(For(handle.index, count, tuple(body), tuple(handle.carries)))
+        self.statements.append(For(builder.index, count, tuple(body), tuple(builder.carries)))
 
     def leave(self, status: Expression | None = None) -> None:
+        """Leave the function, with what it returns."""
         self.statements.append(Return(status))
 
     @contextmanager
     def leave_when(self, condition: Operand, status: Operand | None = None) -> Iterator[None]:
-        """Statements to do before leaving with `status` when `condition` holds."""
+        """Leave with `status` where `condition` holds; statements made within it are run before that."""
         outer, self.statements = self.statements, []
         yield
         body, self.statements = self.statements, outer
@@ -86,16 +100,19 @@ class Block:
 
 
 @dataclass
-class Loop:
+class LoopBuilder:
+    """A loop that is being built: its counter, and the values that it carries from one turn to the next."""
+
     block: Block
     index: Var
     carries: list[Carry] = field(default_factory=list)
 
     def carry(self, name: str, initial: Operand) -> Var:
-        """A value that the loop changes; say how with `update`."""
+        """Return a value that the loop changes; `update` says how."""
         var = self.block.fresh(name, initial.type)
         self.carries.append(Carry(var, initial, var))
         return var
 
     def update(self, var: Var, value: Operand) -> None:
+        """Set what a carried value becomes at the end of a turn."""
         self.carries = [Carry(c.var, c.initial, value) if c.var == var else c for c in self.carries]

@@ -4,9 +4,9 @@
     Kernel  = pure straight-line function of scalars; lowered from CasADi (convert/from_casadi.py) or written here
     Function = a public entry point: loads, loops over a constant count, calls of kernels, stores, a status
 
-targets/ has a folder for each language: printer, templates, runner. read/ reads the C back and shows that it is this Program.
-analyse/ has enclosures, rounding errors, ranges, costs; symbolic/ SymPy; convert/ CasADi. Proofs and costs are of this Program,
-which is what is printed. A new operation is one row of operations.py.
+controller/ makes Programs. targets/ has a folder for each language: printer, templates, runner. read/ reads the C back and shows
+that it is this Program. analyse/ has enclosures, rounding errors, ranges, costs; symbolic/ SymPy; convert/ CasADi. Proofs and
+costs are of this Program, which is what is printed. A new operation is one row of operations.py.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ Expression = Operand | Op | Select | IsFinite | Trunc | Load
 
 
 def type_of(expression: Expression) -> Type:
-    """The type of an expression's value."""
+    """Return the type of an expression's value."""
     match expression:
         case Var(type=t) | Const(type=t):
             return t
@@ -117,7 +117,7 @@ def type_of(expression: Expression) -> Type:
 
 
 def operands(expression: Expression) -> tuple[Operand, ...]:
-    """What an expression reads; nothing for a variable or constant itself."""
+    """Return the operands that an expression reads; none for a variable or constant itself."""
     match expression:
         case Op(args=args):
             return args
@@ -135,6 +135,8 @@ def operands(expression: Expression) -> tuple[Operand, ...]:
 
 @dataclass(frozen=True)
 class Assign:
+    """`var` is `value` from here on; a variable is assigned once."""
+
     var: Var
     value: Expression
 
@@ -193,7 +195,7 @@ Statement = Assign | Call | Store | For | Return
 
 @dataclass(frozen=True)
 class Table:
-    """Constants, rounded to the scalar when printed, or integers (`type`); `row` is how many belong together."""
+    """Constants, rounded to the scalar when printed, or integers (`type`); `row`: entries of one row, in which it is printed."""
 
     name: str
     values: tuple[Fraction, ...]
@@ -203,7 +205,7 @@ class Table:
 
 
 def entry_bits(table: Table) -> int:
-    """Of the smallest type that holds a table's integers: 8 or 16 where none is negative, else 32."""
+    """Return the bits of the smallest type that holds a table's integers: 8 or 16 where none is negative, else 32."""
     return next((bits for bits in (8, 16) if all(0 <= v < 1 << bits for v in table.values)), 32)
 
 
@@ -247,17 +249,22 @@ class Function:
 
     @property
     def inputs(self) -> tuple[Param, ...]:
+        """Parameters that are read, those that are changed in place too."""
         return tuple(p for p in self.params if not p.output or p.inout)
 
     @property
     def outputs(self) -> tuple[Param, ...]:
+        """Arrays that are written, those that are changed in place too."""
         return tuple(p for p in self.params if p.output)
 
 
 @dataclass(frozen=True)
 class Program:
-    """scalar is "float", "double", or "fixed" where there is no real; names are without the task's prefix, which the printers
-    add. tick: seconds of one, where time is counted by nothing else."""
+    """Everything that is emitted for one task.
+
+    prefix: the task's name; names of parts are without it, and the printers add it. dimension: of the state. scalar: "float",
+    "double", or "fixed" where there is no real. tick: seconds of one tick, where time is counted in ticks only.
+    """
 
     prefix: str
     dimension: int
@@ -285,7 +292,7 @@ def uses_split(program: Program) -> bool:
 
 
 def uses_fixed(program: Program) -> bool:
-    """Whether the program counts in integers that stand for reals."""
+    """Whether the program calculates in integers that stand for reals."""
     return program.scalar == "fixed"
 
 

@@ -2,7 +2,7 @@
 
 A new operation is a new row and nothing else.
 
-Long because every operation stands here once, with how errors pass through it.
+Long because each operation is described here once, with how errors pass through it.
 """
 
 from __future__ import annotations
@@ -16,10 +16,12 @@ from fractions import Fraction
 from math import isqrt
 from typing import Any, Protocol
 
-LIBRARY_ULPS = 2  # units in the last place, of a function of the C library; assumed, and said in docs/c.md
+LIBRARY_ULPS = 2  # units in the last place: the assumed error of a function of the C library (docs/c.md)
 
 
 class Type(Enum):
+    """The type of a value of a Program."""
+
     REAL = "real"  # float or double, the program's scalar
     INT = "int"  # a table index or loop counter, at least 32 bits
     TICK = "tick"  # a count from 0 to 2^32 - 1, a parameter only
@@ -45,7 +47,7 @@ class InexactRange(Protocol):
 
 
 class Points(Protocol):
-    """Values of an argument at many points, as an array, and by how much each is wrong at most."""
+    """Values of an argument at many points, as an array, and a bound on the error of each."""
 
     @property
     def value(self) -> Any: ...
@@ -53,22 +55,24 @@ class Points(Protocol):
     def error(self) -> Any: ...
 
 
-Bounds = tuple[Fraction, Fraction, Fraction]  # a range of the results, and by how much they are wrong before rounding
-Ranged = Callable[..., Bounds | None]  # of `InexactRange`s, exact, so that a bound on rounding is one
-Spread = Callable[..., tuple[Any, Any]]  # of NumPy and `Points`: the results, and by how much they are wrong before rounding
+Bounds = tuple[Fraction, Fraction, Fraction]  # the ends of the range of the results, and their error before rounding
+Ranged = Callable[..., Bounds | None]  # of `InexactRange`s; exact, so that what it returns is a bound
+Spread = Callable[..., tuple[Any, Any]]  # of NumPy and `Points`: the results, and their errors before rounding
 
 
 @dataclass(frozen=True)
 class Operation:
-    """One row.
+    """What printers and readers need to know of one operation.
 
-    args, result: types. cost: one of COST_KINDS. number: on Python's numbers. infix or call: in C, a call without the suffix of
-    the precision. casadi: CasADi's names of it. ball: in Python source over balls. ulps: by how many units in the last place
-    a result is rounded, 0 where it is exact, None where it is no real. underflows: whether it may also lose what is below the
-    least number. formula: in SymPy, which is its first argument. opposite: SymPy's name of the comparison that holds where this
-    one does not. How errors of the arguments pass through it: `change`, NumPy's function, if it has one argument and rises or
-    falls throughout, and where it begins; else `spread`. ranged: the same for ranges of arguments, None where no such bound is
-    needed. commutes: arguments may change places.
+    args, result: types. cost: one of COST_KINDS. number: the operation on Python's numbers. infix, call: its sign or its function
+    in C, without the suffix of the precision. casadi: CasADi's names of it. ball: its Python source over balls, which may call
+    functions of analyse/ball_arithmetic.py. formula: the operation on SymPy's expressions; its first argument is SymPy. opposite:
+    SymPy's name of the comparison that holds where this one does not. commutes: whether arguments may change places.
+
+    ulps: the rounding error of a result in units in the last place, 0 where it is exact, None where it is no real. underflows:
+    whether a result near 0 has an absolute error besides. Errors of arguments pass through an operation by one of two fields:
+    change: NumPy's name of it and where its domain begins, if it has one argument and rises or falls throughout; else spread.
+    ranged: the same for ranges of arguments, None where no bound on rounding needs it.
     """
 
     args: tuple[Type, ...]
@@ -96,7 +100,7 @@ class Operation:
 
 
 def _quotient(a: float, b: float) -> float:
-    """As IEEE 754 divides."""
+    """Return a / b as IEEE 754 has it, infinite or NaN for b = 0."""
     if b:
         return a / b
     return math.nan if math.isnan(a) or not a else math.copysign(math.inf, a)
@@ -107,7 +111,7 @@ def _logarithm(a: float) -> float:
 
 
 def _split(a: float) -> tuple[float, int]:
-    """m and e with a = m 2^e, m in [1/sqrt 2, sqrt 2), for a >= 1/sqrt 2."""
+    """Return m and e with a = m 2^e, m in [1/sqrt 2, sqrt 2), for a >= 1/sqrt 2."""
     e = math.frexp(a * math.sqrt(0.5))[1]
     return a / 2.0**e, e
 
@@ -122,8 +126,9 @@ def monotone_change(np: Any, f: Callable[[Any], Any], a: Points, floor: float) -
 
 
 def _quotient_spread(np: Any, a: Points, b: Points) -> tuple[Any, Any]:
-    least, quotient = np.abs(b.value) - b.error, a.value / b.value
-    return quotient, np.where(least > 0, (a.error + np.abs(quotient) * b.error) / least, np.inf)
+    smallest_divisor, quotient = np.abs(b.value) - b.error, a.value / b.value
+    error = (a.error + np.abs(quotient) * b.error) / smallest_divisor
+    return quotient, np.where(smallest_divisor > 0, error, np.inf)
 
 
 def _product_spread(np: Any, a: Points, b: Points) -> tuple[Any, Any]:
@@ -131,7 +136,7 @@ def _product_spread(np: Any, a: Points, b: Points) -> tuple[Any, Any]:
 
 
 def _power_spread(np: Any, a: Points, b: Points) -> tuple[Any, Any]:
-    """Of a positive base and a constant exponent."""
+    """Return the power of a positive base and a constant exponent, with its error."""
     value = np.power(a.value, b.value)
     spread = monotone_change(np, lambda base: np.asarray(np.power(base, b.value)), a, 0.0)
     return value, spread + np.abs(value * np.log(np.maximum(a.value, 1e-300))) * b.error
@@ -142,39 +147,45 @@ def _absolute_range(a: InexactRange) -> Bounds:
 
 
 def _product_range(a: InexactRange, b: InexactRange) -> Bounds:
-    """A square is not negative."""
+    """Return the range of a product; that of a square is not negative."""
     corners = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
     low = Fraction(0) if a is b and a.low <= 0 <= a.high else min(corners)
     return low, max(corners), a.size * b.error + b.size * a.error + a.error * b.error
 
 
 def _quotient_range(a: InexactRange, by: InexactRange) -> Bounds | None:
-    """By a constant above 0."""
+    """Return the range of a quotient by a constant above 0; None for any divisor but such a constant."""
     if not by.low == by.high > 0:
         return None
-    least = by.low - by.error
-    return min(a.low / by.low, a.high / by.low), a.high / by.low, (a.error + a.size / by.low * by.error) / least
+    smallest_divisor = by.low - by.error
+    error = (a.error + a.size / by.low * by.error) / smallest_divisor
+    return min(a.low / by.low, a.high / by.low), a.high / by.low, error
 
 
 def _exp_range(a: InexactRange) -> Bounds | None:
-    """Of an argument not above 0: the slope is at most exp(error) <= 1 + 2 error; computed exponents are not above 0 either."""
+    """Return the range of exp for an argument not above 0, else None.
+
+    The slope is at most exp(error) <= 1 + 2 error; computed exponents are not above 0 either.
+    """
     return (Fraction(0), Fraction(1), min(a.error * (1 + 2 * a.error), Fraction(1))) if a.high <= 0 else None
 
 
 def _log1p_range(a: InexactRange) -> Bounds | None:
-    """Below its argument; the slope is at most 1, and the computed argument is not below 0."""
+    """Return the range of log1p for an argument not below 0, else None: it is below its argument, and its slope is at most 1."""
     return (Fraction(0), a.high, a.error) if a.low >= 0 else None
 
 
 def _sqrt_range(a: InexactRange) -> Bounds | None:
-    """|sqrt a - sqrt b| = |a - b|/(sqrt a + sqrt b) <= error/sqrt(low); roots of fractions by those of whole numbers of 160
-    bits."""
+    """Return the range of a root; None where the argument may be 0.
+
+    |sqrt a - sqrt b| = |a - b|/(sqrt a + sqrt b) <= error/sqrt(low). Roots of fractions are those of integers of 160 bits.
+    """
     if a.low <= a.error:
         return None
 
-    def root(value: Fraction, up: int) -> Fraction:
+    def root(value: Fraction, round_up: int) -> Fraction:
         shift = 80 + max(0, value.denominator.bit_length() - value.numerator.bit_length())
-        return Fraction(isqrt((value.numerator << 2 * shift) // value.denominator) + up, 1 << shift)
+        return Fraction(isqrt((value.numerator << 2 * shift) // value.denominator) + round_up, 1 << shift)
 
     return root(a.low, 0), root(a.high, 1), a.error / root(a.low, 0)
 
@@ -191,19 +202,20 @@ def _exact(number: Callable[..., Any], casadi: str, ball: str, **more: Any) -> O
 
 
 def _library(name: str, number: Callable[..., Any], formula: Callable[..., Any] | None = None, **more: Any) -> Operation:
-    """A function of <math.h> of one argument."""
-    shape = formula or (lambda sp, a: getattr(sp, name)(a))
+    """Return the row of a function of <math.h> of one argument."""
+    sympy_formula = formula or (lambda sp, a: getattr(sp, name)(a))
     return Operation(
         (REAL,), REAL, "math", number, call=name, casadi=(f"OP_{name.upper()}",), ball=f"{{0}}.{name}()",
-        ulps=more.pop("ulps", LIBRARY_ULPS), formula=shape, **more,
+        ulps=more.pop("ulps", LIBRARY_ULPS), formula=sympy_formula, **more,
     )  # fmt: skip
 
 
 def _comparison(
-    kinds: tuple[Type, Type], infix: str, number: Callable[..., bool], ball: str, relation: str, opposite: str, casadi: str = ""
+    kind: Type, infix: str, number: Callable[..., bool], *, ball: str, relation: str, opposite: str, casadi: str = ""
 ) -> Operation:
+    """Return the row of a comparison of two numbers; relation, opposite: SymPy's names of it and of its negation."""
     return Operation(
-        kinds, BOOL, "compare", number, infix, casadi=(casadi,) if casadi else (), ball=ball,
+        (kind, kind), BOOL, "compare", number, infix, casadi=(casadi,) if casadi else (), ball=ball,
         formula=lambda sp, a, b: getattr(sp, relation)(a, b), opposite=opposite, commutes=relation in ("Eq", "Ne"),
     )  # fmt: skip
 
@@ -213,7 +225,7 @@ def _truth(infix: str, number: Callable[..., bool], casadi: str, ball: str, coun
     return Operation(kinds, BOOL, "compare", number, infix, casadi=(casadi,), ball=ball, commutes=count == 2)
 
 
-def _whole(infix: str, number: Callable[..., int], ball: str) -> Operation:
+def _integer(infix: str, number: Callable[..., int], ball: str) -> Operation:
     return Operation((INT, INT), INT, "integer", number, infix, ball=ball)
 
 
@@ -261,22 +273,28 @@ OPERATIONS: dict[str, Operation] = {
     "sin": _library("sin", math.sin),
     "cos": _library("cos", math.cos),
     "tan": _library("tan", math.tan),
-    "lt": _comparison((REAL, REAL), "<", operator.lt, "_is_less({0}, {1}, False)", "Lt", "Ge", "OP_LT"),
-    "le": _comparison((REAL, REAL), "<=", operator.le, "_is_less({0}, {1}, True)", "Le", "Gt", "OP_LE"),
-    "eq": _comparison((REAL, REAL), "", operator.eq, "_is_equal({0}, {1})", "Eq", "Ne", "OP_EQ"),
-    "ne": _comparison((REAL, REAL), "", operator.ne, "_not(_is_equal({0}, {1}))", "Ne", "Eq", "OP_NE"),
-    "ilt": _comparison((INT, INT), "<", operator.lt, "_is_less_integer({0}, {1})", "Lt", "Ge"),
-    "tlt": _comparison((TICK, TICK), "<", operator.lt, "_is_less_integer({0}, {1})", "Lt", "Ge"),
+    "lt": _comparison(
+        REAL, "<", operator.lt, ball="_is_less({0}, {1}, False)", relation="Lt", opposite="Ge", casadi="OP_LT",
+    ),
+    "le": _comparison(
+        REAL, "<=", operator.le, ball="_is_less({0}, {1}, True)", relation="Le", opposite="Gt", casadi="OP_LE",
+    ),
+    "eq": _comparison(REAL, "", operator.eq, ball="_is_equal({0}, {1})", relation="Eq", opposite="Ne", casadi="OP_EQ"),
+    "ne": _comparison(
+        REAL, "", operator.ne, ball="_not(_is_equal({0}, {1}))", relation="Ne", opposite="Eq", casadi="OP_NE",
+    ),
+    "ilt": _comparison(INT, "<", operator.lt, ball="_is_less_integer({0}, {1})", relation="Lt", opposite="Ge"),
+    "tlt": _comparison(TICK, "<", operator.lt, ball="_is_less_integer({0}, {1})", relation="Lt", opposite="Ge"),
     "and": _truth("&&", lambda a, b: a and b, "OP_AND", "_and({0}, {1})"),
     "or": _truth("||", lambda a, b: a or b, "OP_OR", "_not(_and(_not({0}), _not({1})))"),
     "not": _truth("", operator.not_, "OP_NOT", "_not({0})", 1),
-    "iadd": _whole("+", operator.add, "_add({0}, {1})"),
-    "isub": _whole("-", operator.sub, "_subtract({0}, {1})"),
+    "iadd": _integer("+", operator.add, "_add({0}, {1})"),
+    "isub": _integer("-", operator.sub, "_subtract({0}, {1})"),
     "ineg": Operation((INT,), INT, "integer", operator.neg, ball="_negate({0})"),
-    "imul": _whole("*", operator.mul, "_multiply({0}, {1})"),
-    "idiv": _whole("/", operator.floordiv, "_divide({0}, {1})"),  # of a number not negative by a positive one, rounded down
-    "ishr": _whole(">>", operator.rshift, "_shift_right({0}, {1})"),  # rounded down, of a negative number too
-    "ishl": _whole("<<", operator.lshift, "_shift_left({0}, {1})"),  # of a number not negative
+    "imul": _integer("*", operator.mul, "_multiply({0}, {1})"),
+    "idiv": _integer("/", operator.floordiv, "_divide({0}, {1})"),  # of a number not negative by a positive one, rounded down
+    "ishr": _integer(">>", operator.rshift, "_shift_right({0}, {1})"),  # rounded down, of a negative number too
+    "ishl": _integer("<<", operator.lshift, "_shift_left({0}, {1})"),  # of a number not negative
     "upper": Operation(  # a b / 2^16 rounded down, 0 <= b < 2^16: a product of 48 bits without its last 16
         (INT, INT), INT, "mul", lambda a, b: a * b >> 16, ball="_high_product({0}, {1})",
     ),
@@ -284,8 +302,8 @@ OPERATIONS: dict[str, Operation] = {
     "product": Operation((INT, INT), INT, "mul", operator.mul, "*", ball="_multiply({0}, {1})"),
     # a mod 2^k, for a second argument of 2^k - 1
     "low": Operation((INT, INT), INT, "integer", operator.and_, ball="_mask({0}, {1})"),
-    "short": Operation((INT,), INT, "integer", lambda a: a, ball="_unchanged({0})"),  # of 16 bits with a sign, which C is told so
-    # of a > 0: by how many places its bits can move up, so that it is in [2^30, 2^31)
+    "short": Operation((INT,), INT, "integer", lambda a: a, ball="_unchanged({0})"),  # of 16 bits, which C then knows
+    # of a > 0: by how many places it can be shifted left, so that it is in [2^30, 2^31)
     "leading": Operation((INT,), INT, "integer", lambda a: 31 - a.bit_length(), ball="_leading_places({0})"),
     "int": Operation((TICK,), INT, "integer", int, ball="_unchanged({0})"),  # of a count below 2^31
     "real": Operation((INT,), REAL, "integer", float, ball="_integer_ball({0})", formula=lambda _, a: a),

@@ -1,5 +1,5 @@
-"""A function of a Program run statement by statement, whatever its values are: numbers, SymPy's formulas (paths.py), CasADi's
-graphs (to_casadi.py). Loops are unrolled; a reader says what its nodes make."""
+"""A function of a Program run statement by statement, whatever its values are: numbers and SymPy's formulas (symbolic/paths.py),
+CasADi's graphs (convert/to_casadi.py). Loops are unrolled; a subclass says what each node gives."""
 
 from __future__ import annotations
 
@@ -29,20 +29,21 @@ from stt_codegen.program.nodes import (
 
 
 class Walk(ABC):
-    """known: values by name; arrays: parameters that are arrays, entry by entry."""
+    """Runs statements on values of any kind. known: values by name; arrays: parameters that are arrays, entry by entry."""
 
     def __init__(self, program: Program) -> None:
         self.program = program
         self.known: dict[str, Any] = {}
         self.arrays: dict[str, list[Any]] = {}
 
-    def statements(self, body: Iterable[Statement]) -> None:
+    def run_statements(self, body: Iterable[Statement]) -> None:
+        """Run statements: they change `known` and `arrays`."""
         for statement in body:
             match statement:
                 case Assign(var=var, value=value):
                     self.known[var.name] = self.value(value)
                 case Call(results=results, kernel=kernel, args=args):
-                    values = self.kernel(self.program.kernel(kernel), [self.operand(a) for a in args])
+                    values = self.run_kernel(self.program.kernel(kernel), [self.operand(a) for a in args])
                     self.known |= dict(zip((r.name for r in results), values, strict=True))
                 case Store(array=array, index=index, value=value):
                     self.arrays[array][self.operand(index)] = self.operand(value)
@@ -50,24 +51,25 @@ class Walk(ABC):
                     self.known |= {c.var.name: self.operand(c.initial) for c in carries}
                     for k in range(count):
                         self.known[index.name] = k
-                        self.statements(inner)
+                        self.run_statements(inner)
                         self.known |= {c.var.name: self.operand(c.next) for c in carries}
                 case Return():
                     self.leave(statement)
 
-    def kernel(self, kernel: Kernel, args: Sequence[Any]) -> list[Any]:
-        """Evaluate a kernel; its local names are its own."""
-        outer, self.known = self.known, dict(zip((v.name for v in kernel.inputs), args, strict=True))
+    def run_kernel(self, kernel: Kernel, args: Sequence[Any]) -> list[Any]:
+        """Return the outputs of a kernel; it sees no names but those of its inputs."""
+        caller_names, self.known = self.known, dict(zip((v.name for v in kernel.inputs), args, strict=True))
         for assign in kernel.body:
             self.known[assign.var.name] = self.value(assign.value)
         outputs = [self.operand(o) for o in kernel.outputs]
-        self.known = outer
+        self.known = caller_names
         return outputs
 
     def operand(self, operand: Operand) -> Any:
         return self.known[operand.name] if isinstance(operand, Var) else self.constant(operand)
 
     def value(self, expression: Expression) -> Any:
+        """Return the value of an expression."""
         match expression:
             case Var() | Const():
                 return self.operand(expression)
@@ -78,13 +80,15 @@ class Walk(ABC):
             case Trunc(arg=arg):
                 return self.trunc(self.operand(arg))
             case Load(array=array, index=index):
-                at = self.operand(index)
-                return self.arrays[array][at] if array in self.arrays else self.entry(array, at)
+                k = self.operand(index)
+                return self.arrays[array][k] if array in self.arrays else self.entry(array, k)
             case Op(name=name, args=args):
                 return self.operation(name, [self.operand(a) for a in args])
 
     @abstractmethod
-    def leave(self, statement: Return) -> None: ...
+    def leave(self, statement: Return) -> None:
+        """Leave the function where the statement says so."""
+
     @abstractmethod
     def constant(self, constant: Const) -> Any: ...
     @abstractmethod
@@ -94,7 +98,9 @@ class Walk(ABC):
     @abstractmethod
     def trunc(self, value: Any) -> Any: ...
     @abstractmethod
-    def operation(self, name: str, args: list[Any]) -> Any: ...
+    def operation(self, name: str, args: list[Any]) -> Any:
+        """Return an operation, a key of OPERATIONS, on values."""
+
     @abstractmethod
     def entry(self, table: str, index: Any) -> Any:
-        """One entry of a table."""
+        """Return one entry of a table."""

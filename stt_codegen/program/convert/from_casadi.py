@@ -1,6 +1,8 @@
 """From a CasADi function to a kernel: constants exact, opcodes canonical, one name for each value, nothing unused.
 
-Reads the instruction list, the part of CasADi that is steady between versions. Work slots are reused there, so every
+`controller/` writes most kernels as CasADi functions, and lowers them here.
+
+It reads the instruction list, the part of CasADi that is steady between versions. Work slots are reused there, so every
 write gets a fresh number; inputs are never overwritten, hence all of them are read before any output is stored.
 """
 
@@ -20,52 +22,57 @@ class UnknownOpcode(Exception):
 
 
 def direct_opcodes() -> dict[str, str]:
-    """CasADi's opcodes that are one operation of the Program."""
+    """Return CasADi's opcodes that are one operation of the Program, with the name of that operation."""
     return {opcode: name for name, row in OPERATIONS.items() for opcode in row.casadi}
 
 
 @cache
 def opcode_names() -> dict[int, str]:
-    """CasADi's opcodes by number."""
+    """Return the names of CasADi's opcodes by their numbers."""
     return {getattr(ca, name): name for name in dir(ca) if name.startswith("OP_")}
 
 
 def lower(function: ca.Function, doc: tuple[str, ...] = ()) -> Kernel:
-    """Lower an SX function of scalars and dense vectors (entries become `name0`, `name1`, ...) to a kernel.
+    """Return the kernel of an SX function of scalars and dense vectors (entries become `name0`, `name1`, ...).
 
     Raises `UnknownOpcode`, naming it, for an instruction outside the closed set.
     """
-    reader = _Reader(function)
-    outputs = reader.run()
-    names = [n for k in range(function.n_out()) for n in _entries(function.name_out(k), function.nnz_out(k))]
+    reader = _InstructionReader(function)
+    outputs = reader.read_instructions()
+    names = [n for k in range(function.n_out()) for n in _entry_names(function.name_out(k), function.nnz_out(k))]
     return Kernel(
         name=function.name(),
         inputs=tuple(v for vector in reader.inputs for v in vector),
-        body=_live(reader.body, outputs),
+        body=_without_unused(reader.body, outputs),
         outputs=tuple(outputs),
         output_names=tuple(names),
         doc=doc,
     )
 
 
-def _entries(name: str, count: int) -> list[str]:
+def _entry_names(name: str, count: int) -> list[str]:
+    """Return the names of the entries of a scalar or vector."""
     return [name] if count == 1 else [f"{name}{k}" for k in range(count)]
 
 
-class _Reader:
-    """One pass over the instruction list, with value numbering: an expression seen before is not computed again."""
+class _InstructionReader:
+    """One pass over the instruction list, with value numbering: an expression that has a variable is not computed again.
+
+    slots: what each work slot of CasADi holds now. numbered: the variable of every expression.
+    """
 
     def __init__(self, function: ca.Function) -> None:
         self.function, self.direct = function, direct_opcodes()
         self.inputs = [
-            tuple(Var(n, REAL) for n in _entries(function.name_in(k), function.nnz_in(k))) for k in range(function.n_in())
+            tuple(Var(n, REAL) for n in _entry_names(function.name_in(k), function.nnz_in(k))) for k in range(function.n_in())
         ]
-        self.taken = {v.name for vector in self.inputs for v in vector}
+        self.used_names = {v.name for vector in self.inputs for v in vector}
         self.body: list[Assign] = []
-        self.seen: dict[object, Var] = {}
+        self.numbered: dict[object, Var] = {}
         self.slots: dict[int, Operand] = {}
 
-    def run(self) -> list[Operand]:
+    def read_instructions(self) -> list[Operand]:
+        """Add an assignment for every instruction that computes, and return the outputs."""
         f = self.function
         outputs: list[list[Operand]] = [[real(0)] * f.nnz_out(k) for k in range(f.n_out())]
         for k in range(f.n_instructions()):
@@ -83,7 +90,7 @@ class _Reader:
         return [operand for vector in outputs for operand in vector]
 
     def _operation(self, name: str, args: list[Operand]) -> Operand:
-        """One instruction in canonical form: twice, square and inverse become the operation they stand for."""
+        """Return the value of one instruction in canonical form: a square, for example, is a product."""
         match name:
             case "OP_ASSIGN" | "OP_LIFT":
                 return args[0]
@@ -109,6 +116,7 @@ class _Reader:
                 )
 
     def _emit(self, operation: str, *args: Operand) -> Operand:
+        """Return the value of an operation, its arguments taken as reals or as truth values."""
         logical = operation in ("and", "or", "not")
         typed = tuple(self._as_bool(a) if logical else self._as_real(a) for a in args)
         return self._number(Op(operation, typed))
@@ -117,37 +125,38 @@ class _Reader:
         return self._number(Select(condition, then, otherwise))
 
     def _number(self, value: Op | Select) -> Operand:
+        """Return the variable of an expression; a new one is assigned where no equal expression has one."""
         key: object = value
         if isinstance(value, Op) and OPERATIONS[value.name].commutes:
             key = (value.name, frozenset(value.args))
-        if key not in self.seen:
-            var = Var(self._fresh(), type_of(value))
+        if key not in self.numbered:
+            var = Var(self._new_name(), type_of(value))
             self.body.append(Assign(var, value))
-            self.seen[key] = var
-        return self.seen[key]
+            self.numbered[key] = var
+        return self.numbered[key]
 
-    def _fresh(self) -> str:
+    def _new_name(self) -> str:
         k = len(self.body)
-        while f"v{k}" in self.taken:
+        while f"v{k}" in self.used_names:
             k += 1
-        self.taken.add(f"v{k}")
+        self.used_names.add(f"v{k}")
         return f"v{k}"
 
     def _as_real(self, operand: Operand) -> Operand:
-        """A truth value where a number is wanted is 1 or 0 (CasADi has one type for both)."""
+        """Return a number: a truth value becomes 1 or 0 (CasADi has one type for both)."""
         return self._select(operand, real(1), real(0)) if operand.type is BOOL else operand
 
     def _as_bool(self, operand: Operand) -> Operand:
         return operand if operand.type is BOOL else self._emit("ne", operand, real(0))
 
 
-def _live(body: list[Assign], outputs: list[Operand]) -> tuple[Assign, ...]:
-    """The assignments that some output depends on; the others are dead."""
+def _without_unused(body: list[Assign], outputs: list[Operand]) -> tuple[Assign, ...]:
+    """Return the assignments that some output depends on."""
     needed = {o.name for o in outputs if isinstance(o, Var)}
-    kept: list[Assign] = []
+    used: list[Assign] = []
     for assign in reversed(body):
         if assign.var.name not in needed:
             continue
-        kept.append(assign)
+        used.append(assign)
         needed |= {a.name for a in operands(assign.value) if isinstance(a, Var)}
-    return tuple(reversed(kept))
+    return tuple(reversed(used))

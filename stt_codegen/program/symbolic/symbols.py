@@ -1,7 +1,8 @@
 """A reader that turns a kernel into SymPy expressions, branch by branch: what is proved is what is printed.
 
-A kernel with comparisons is read once for every way they can come out; a branch is those conditions and the outputs there.
-Numbers are the exact ones of the Program, before they are rounded to the scalar. For proofs only, never for printing.
+A kernel with comparisons is read once for every combination of their outcomes; a branch is those conditions and the outputs
+under them. Numbers are the exact ones of the Program, before they are rounded to the scalar. For the proofs of lemmas/ only,
+never for printing.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from stt_codegen.program.operations import OPERATIONS
 
 
 def formula_of(name: str, *args: Any) -> Any:
-    """An operation on SymPy expressions. Raises `NotImplementedError` for one that is no formula."""
+    """Return an operation on SymPy expressions. Raises `NotImplementedError` for one that is no formula."""
     formula = OPERATIONS[name].formula
     if formula is None:
         raise NotImplementedError(f"no formula for operation {name!r}")
@@ -34,22 +35,25 @@ class Branch:
     outputs: tuple[Any, ...]
 
 
-def branches(kernel: Kernel, given: Mapping[str, Any]) -> Iterator[Branch]:
-    """Every way through the kernel, for inputs that are SymPy expressions. Raises `NotImplementedError`, naming it, for a node
-    that is no formula (integers, loads)."""
+def branches(kernel: Kernel, inputs: Mapping[str, Any]) -> Iterator[Branch]:
+    """Yield every way through the kernel, for inputs that are SymPy expressions.
+
+    Raises `NotImplementedError`, naming it, for a node that has no formula (integers, loads).
+    """
     tests = [a.var.name for a in kernel.body if isinstance(a.value, Op) and OPERATIONS[a.value.name].compares]
     for outcomes in product((True, False), repeat=len(tests)):
-        yield _through(kernel, given, dict(zip(tests, outcomes, strict=True)))
+        yield _branch_with(kernel, inputs, dict(zip(tests, outcomes, strict=True)))
 
 
-def formulas(kernel: Kernel, given: Mapping[str, Any]) -> tuple[Any, ...]:
-    """The outputs, in symbols, of a kernel that decides nothing."""
-    (only,) = branches(kernel, given)
-    return only.outputs
+def formulas(kernel: Kernel, inputs: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Return the outputs, in symbols, of a kernel without comparisons."""
+    (branch,) = branches(kernel, inputs)
+    return branch.outputs
 
 
-def _through(kernel: Kernel, given: Mapping[str, Any], outcomes: Mapping[str, bool]) -> Branch:
-    known: dict[str, Any] = dict(given)
+def _branch_with(kernel: Kernel, inputs: Mapping[str, Any], outcomes: Mapping[str, bool]) -> Branch:
+    """Return the branch on which the comparisons, by the names of their results, come out so."""
+    known: dict[str, Any] = dict(inputs)
     conditions: list[Any] = []
 
     def value(operand: Operand) -> Any:
@@ -61,11 +65,12 @@ def _through(kernel: Kernel, given: Mapping[str, Any], outcomes: Mapping[str, bo
         return sp.Rational(Fraction(number).numerator, Fraction(number).denominator)  # type: ignore[arg-type]
 
     for assign in kernel.body:
-        known[assign.var.name] = _assigned(assign, value, outcomes, conditions)
+        known[assign.var.name] = _assigned_value(assign, value, outcomes, conditions)
     return Branch(tuple(conditions), tuple(value(o) for o in kernel.outputs))
 
 
-def _assigned(assign: Assign, value: Any, outcomes: Mapping[str, bool], conditions: list[Any]) -> Any:
+def _assigned_value(assign: Assign, value: Any, outcomes: Mapping[str, bool], conditions: list[Any]) -> Any:
+    """Return what is assigned, `value` being that of an operand; a comparison adds its condition to `conditions`."""
     match assign.value:
         case Op(name=name, args=args) if OPERATIONS[name].compares:
             holds = outcomes[assign.var.name]

@@ -1,5 +1,7 @@
-"""An emitted controller made callable in this process. All backends take arrays of points and return arrays, so that `compare`,
-boards and tests treat them alike."""
+"""The interface of an emitted controller that this process can call.
+
+All backends take arrays of points and return arrays, so that `compare`, boards and tests treat them alike.
+"""
 
 from __future__ import annotations
 
@@ -26,11 +28,11 @@ class Backend(ABC):
         """Return what a public function gives at every point: its status or value if it has one, then its outputs."""
 
     def check_shapes(self, params: Sequence[Param], inputs: Sequence[Array]) -> None:
-        """Raises ValueError where an argument is not of shape (P,) or (P, length), P that of the first."""
+        """Raise ValueError where an argument is not of shape (P,) or (P, length), P that of the first."""
         for p, values in zip(params, inputs, strict=True):
-            wanted = (len(inputs[0]),) if p.length is None else (len(inputs[0]), p.length)
-            if np.shape(values) != wanted:
-                raise ValueError(f"{p.name}: has shape {np.shape(values)}; {wanted} is needed")
+            shape = (len(inputs[0]),) if p.length is None else (len(inputs[0]), p.length)
+            if np.shape(values) != shape:
+                raise ValueError(f"{p.name}: has shape {np.shape(values)}; {shape} is needed")
 
     def tube(self, *inputs: Array) -> tuple[Array, ...]:
         return self.call("tube", *inputs)

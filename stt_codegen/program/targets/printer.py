@@ -1,7 +1,7 @@
-"""What every printer does alike: the order of statements, of expressions, of a table's rows. A language overrides `format_*`.
+"""The base class of printers: it goes through expressions, statements and rows of tables, and a language overrides `format_*`.
 
 An operation is printed from its row in operations.py, by its infix sign or its call; a language that writes one differently has a
-method `op_<operation>`.
+method `op_<operation>`. A method returns text or lines of text.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from stt_codegen.program.nodes import (
 )
 from stt_codegen.program.operations import OPERATIONS
 
-LITERALS_A_LINE = 4
+LITERALS_PER_LINE = 4
 INDENT = "    "
 
 
@@ -45,12 +45,13 @@ class Printer(ABC):
         self.inside: Function | None = None
 
     def helpers(self) -> Sequence[str | Sequence[str]]:
-        """Return the text of the functions that printed operations call, if the language needs any."""
+        """Return the text of the helper functions that printed operations call, if the language needs any."""
         return []
 
     # ---- expressions
 
     def expression(self, value: Expression) -> str:
+        """Return an expression as the language writes it."""
         match value:
             case Var():
                 return self.format_var(value)
@@ -68,10 +69,13 @@ class Printer(ABC):
                 return self.operation(value, name, [self.expression(a) for a in args])
 
     def operation(self, _op: Op, name: str, args: Sequence[str]) -> str:
-        """By a method of the language's own, the row's infix sign, or the row's call. Raises `NotImplementedError`."""
-        own = getattr(self, f"op_{name}", None)
-        if own is not None:
-            return str(own(*args))
+        """Return an operation by the method `op_<name>`, or by the infix sign or the call of its row.
+
+        Raises `NotImplementedError` where there is none of these.
+        """
+        method = getattr(self, f"op_{name}", None)
+        if method is not None:
+            return str(method(*args))
         row = OPERATIONS[name]
         if row.infix:
             return self.format_infix(name, row.infix, args[0], args[1])
@@ -107,6 +111,7 @@ class Printer(ABC):
     # ---- statements: one line each
 
     def statements(self, body: Iterable[Statement], indent: int = 1) -> list[str]:
+        """Return the lines of a body, indented by so many steps."""
         lines: list[str] = []
         pad = INDENT * indent
         for statement in body:
@@ -128,18 +133,19 @@ class Printer(ABC):
         return lines
 
     def leave(self, statement: Return) -> list[str]:
-        """A way out of a function: taken always, or where a condition holds."""
-        out = self.format_leave(statement.status)
+        """Return the lines of a way out of a function, which is taken always or where a condition holds."""
+        leave = self.format_leave(statement.status)
         if statement.when is None:
-            return out
-        inner = [*self.statements(statement.body), *(INDENT + line for line in out)]
+            return leave
+        inner = [*self.statements(statement.body), *(INDENT + line for line in leave)]
         return [self.format_if(self.expression(statement.when)), *inner, *self.format_end()]
 
     def format_carried(self, carries: Sequence[Carry]) -> list[str]:
-        """What the carried values become at the end of a turn; none of them may be made of another one."""
+        """Return what the carried values become at the end of a turn; none of them may depend on the new value of another."""
         return [self.format_set(c.var, self.expression(c.next)) for c in carries]
 
     def format_end(self) -> list[str]:
+        """Return what ends a loop or a condition; nothing where indentation does."""
         return []
 
     @abstractmethod
@@ -162,7 +168,7 @@ class Printer(ABC):
     # ---- tables and functions
 
     def format_entry(self, constant: Const) -> str:
-        """A number of a table."""
+        """Return a number of a table."""
         return self.literal(constant)
 
     @abstractmethod
@@ -173,9 +179,9 @@ class Printer(ABC):
     def function(self, function: Function) -> list[str]: ...
 
     def rows(self, table: Table) -> list[str]:
-        """The literals of a table, its rows begun anew, LITERALS_A_LINE a line, each line ended by a comma."""
+        """Return the literals of a table: a row begins a new line, which has LITERALS_PER_LINE of them and ends with a comma."""
         lines = []
         for start in range(0, len(table.values), table.row):
             row = [self.format_entry(Const(v, table.type)) for v in table.values[start : start + table.row]]
-            lines += [INDENT + ", ".join(row[k : k + LITERALS_A_LINE]) + "," for k in range(0, len(row), LITERALS_A_LINE)]
+            lines += [INDENT + ", ".join(row[k : k + LITERALS_PER_LINE]) + "," for k in range(0, len(row), LITERALS_PER_LINE)]
         return lines

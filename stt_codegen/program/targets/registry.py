@@ -1,4 +1,4 @@
-"""The target languages, each once. Who needs one, or all, asks here."""
+"""The list of target languages."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""What a target language is: all that the package has to know of one. A language is a folder here, whose `__init__.py` has one
-`TargetLanguage`, and an entry of `TARGETS` in registry.py."""
+"""What the package knows of a target language. A language is a folder here, whose `__init__.py` has one `TargetLanguage`, and an
+entry of `TARGETS` in registry.py."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ class Emitted(Protocol):
 
 @dataclass(frozen=True)
 class Layout:
-    """Where `--package <key>` puts things: the language's own package.
+    """The files of the package that `--package <key>` writes, in the language's usual layout.
 
     sources: the path of each emitted file, by its suffix. templates: the template of each further file, by path. selftest: the
-    path and the template of calls whose results are known, which is left out where rounding leaves too much open.
+    path and the template of calls whose results are known; left out where rounding makes u too uncertain.
     """
 
     sources: Mapping[str, str]
@@ -39,8 +39,8 @@ class TargetLanguage:
 
     key: the name of its folder, of its printer in its templates, of its key in [emit], and of its kind of package. title: what
     people call it. suffixes: of the files that it emits, in order; `controller<suffix>.j2` in its folder is the template of each.
-    printer: made of a Program, it prints the parts that the templates place. words: names that a task cannot have, and no kernel,
-    function or variable of a Program; words_are: what they are, as the end of a sentence. library: lower-case names of the
+    printer: made of a Program, it prints the parts that the templates place. words: names that no task, kernel, function
+    or variable of a Program can have; words_are: what they are, as the end of a sentence. library: lower-case names of the
     language's library that a file of a task's name would shadow. globals: names that its files take from the library, so that no
     part of a Program can have them.
 

@@ -1,4 +1,4 @@
-"""Where the templates are, and how they are read: those of a target language in its folder, all others in templates/."""
+"""Where the templates are, and how they are read. Those of a target language are in its folder, the rest in templates/."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ def template_folder() -> Path:
 
 @cache
 def _environment() -> jinja2.Environment:
+    """Return the environment that reads templates; an undefined name in one is an error."""
     folders = [PACKAGE / "program" / "targets", template_folder()]
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folders, encoding="utf-8"),

@@ -1,4 +1,4 @@
-"""A compiler run on emitted code, of whatever language."""
+"""A compiler of any target language, run on emitted code."""
 
 from __future__ import annotations
 
@@ -14,5 +14,5 @@ def run_compiler(arguments: Iterable[str], **environment: str) -> None:
     command = list(arguments)
     result = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **environment})
     if result.returncode != 0:
-        told = result.stderr.strip() or f"it said nothing, and ended with {result.returncode}; does it compile anything?"
-        raise SttError(f"{command[0]} refused the emitted code:\n{told}")
+        message = result.stderr.strip() or f"it said nothing, and ended with {result.returncode}; does it compile anything?"
+        raise SttError(f"{command[0]} refused the emitted code:\n{message}")

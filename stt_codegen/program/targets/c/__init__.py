@@ -26,7 +26,7 @@ CPP_WORDS = frozenset(
     typename union unsigned using virtual void volatile wchar_t while xor xor_eq final override import module""".split()
 )
 
-# A name that <name>.h must not have, or it shadows a header of the C library, or one that these include in turn.
+# Names that <name>.h must not have: it would shadow a header of the C library, or one that such a header includes.
 HEADERS = frozenset(
     """features alloca endian alltypes reent newlib
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg

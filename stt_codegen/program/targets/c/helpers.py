@@ -1,16 +1,16 @@
-"""The C that some node needs beside expressions: the bits of a number, and what a program of integers counts with."""
+"""The C of helper functions that printed operations call: exponent and mantissa of a number, and arithmetic of integers."""
 
 from __future__ import annotations
 
-_BITS = {  # width, bits of the fraction, and the number 1/sqrt 2
+_BIT_LAYOUTS = {  # type of the bits, width of the fraction, and the bits of 1/sqrt 2
     "float": ("uint32_t", 23, "0x3f3504f3U"),
     "double": ("uint64_t", 52, "0x3fe6a09e667f3bcdU"),
 }
 
 
 def split_lines(prefix: str, scalar: str) -> list[str]:
-    """The C of the nodes `exponent` and `mantissa`, by the bits of an IEEE-754 number."""
-    word, shift, least = _BITS[scalar]
+    """Return the C of the operations `exponent` and `mantissa`, by the bits of an IEEE-754 number."""
+    word, shift, smallest = _BIT_LAYOUTS[scalar]
     size = 4 if scalar == "float" else 8
     head = [f"    {word} bits;", "    (void)memcpy(&bits, &y, sizeof bits);"]
     return [
@@ -21,13 +21,13 @@ def split_lines(prefix: str, scalar: str) -> list[str]:
         f"static inline int32_t {prefix}_exponent({prefix}_real y)",
         "{",
         *head,
-        f"    return (int32_t)((bits - {least}) >> {shift});",
+        f"    return (int32_t)((bits - {smallest}) >> {shift});",
         "}",
         "",
         f"static inline {prefix}_real {prefix}_mantissa({prefix}_real y)",
         "{",
         *head,
-        f"    bits = ((bits - {least}) & {(1 << shift) - 1:#x}U) + {least};",
+        f"    bits = ((bits - {smallest}) & {(1 << shift) - 1:#x}U) + {smallest};",
         f"    {prefix}_real m;",
         "    (void)memcpy(&m, &bits, sizeof m);",
         "    return m;",
@@ -36,9 +36,12 @@ def split_lines(prefix: str, scalar: str) -> list[str]:
 
 
 def fixed_lines(prefix: str) -> list[str]:
-    """The C of the nodes that only a program of integers has, and what it assumes of the compiler. On an AVR gcc makes a loop
-    of every shift that is no whole byte, and of a product within a larger expression one of 32 x 32 bits; so both are written
-    out."""
+    """Return the C of the operations that only a program of integers has, and what it assumes of the compiler."""
+    return [*_table_lines(prefix), *_avr_lines(prefix), *_portable_lines(prefix), *_bit_lines(prefix)]
+
+
+def _table_lines(prefix: str) -> list[str]:
+    """Return macros that read entries of tables, from the flash of an AVR too, and a check of how the compiler shifts."""
     macro = prefix.upper()
     return [
         "/* Tables stay in flash: an AVR reads it by instructions of its own. */",
@@ -56,6 +59,16 @@ def fixed_lines(prefix: str) -> list[str]:
         "/* A negative number moves right as if by a division that rounds down: C leaves that to the compiler. */",
         f"typedef char {prefix}_shifts_down[((-3) >> 1 == -2) ? 1 : -1];",
         "",
+    ]
+
+
+def _avr_lines(prefix: str) -> list[str]:
+    """Return shifts and products for an AVR, written out by bytes.
+
+    On an AVR gcc turns every shift but by a whole number of bytes into a loop, and a product within a larger expression into one
+    of 32 x 32 bits.
+    """
+    return [
         "#if defined(__AVR__)",
         "/* a / 2^n rounded down, and a 2^n of a >= 0, by bytes first. */",
         f"static inline int32_t {prefix}_down(int32_t a, int32_t n)",
@@ -101,6 +114,12 @@ def fixed_lines(prefix: str) -> list[str]:
         "    const uint32_t low = (uint32_t)own * other;",
         f"    return {prefix}_product(a >> 16, b) + (int32_t)(low >> 16);",
         "}",
+    ]
+
+
+def _portable_lines(prefix: str) -> list[str]:
+    """Return shifts and products for every compiler but that of an AVR."""
+    return [
         "#else",
         "/* a / 2^n rounded down, and a 2^n of a >= 0. */",
         f"static inline int32_t {prefix}_down(int32_t a, int32_t n)",
@@ -128,6 +147,12 @@ def fixed_lines(prefix: str) -> list[str]:
         "}",
         "#endif",
         "",
+    ]
+
+
+def _bit_lines(prefix: str) -> list[str]:
+    """Return the C of `leading` and `low`."""
+    return [
         "/* By how many places the bits of a > 0 can move up. */",
         f"static inline int32_t {prefix}_leading(int32_t a)",
         "{",

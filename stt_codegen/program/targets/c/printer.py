@@ -1,7 +1,7 @@
-"""Program to C99. Every statement is one line; all decisions on types, names and literals are made here.
+"""Program to C99: types, names and literals. Every statement is one line.
 
 Assumed of the compiler: IEEE-754 arithmetic in the program's own type (FLT_EVAL_METHOD 0), no fused multiply-add
-(-ffp-contract=off, the default of -std=c99), no -ffast-math. The emitted file refuses the last.
+(-ffp-contract=off, the default of -std=c99), no -ffast-math. An emitted file refuses to compile with the last.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from stt_codegen.program.targets.printer import Printer
 
 
 class CPrinter(Printer):
-    """C99; `real` is the scalar's type name in the emitted files."""
+    """Prints C99; `real` is the name of the scalar's type in the emitted files."""
 
     def __init__(self, program: Program) -> None:
         super().__init__(program)
@@ -43,7 +43,7 @@ class CPrinter(Printer):
         self.real = "int32_t" if uses_fixed(program) else f"{self.prefix}_real"
 
     def helpers(self) -> list[str]:
-        """What some node of the program needs beside expressions."""
+        """Return the helper functions that operations of the program call."""
         if uses_fixed(self.program):
             return fixed_lines(self.prefix)
         return split_lines(self.prefix, self.program.scalar) if uses_split(self.program) else []
@@ -54,6 +54,7 @@ class CPrinter(Printer):
         return {REAL: self.real, INT: "int32_t", TICK: "uint32_t", BOOL: "bool", STATUS: f"{self.prefix}_status"}[kind]
 
     def literal(self, constant: Const) -> str:
+        """Return a constant as C writes it, a negative one in brackets."""
         value = constant.value
         if isinstance(value, Status):
             return f"{self.macro}_{value.name}"
@@ -70,7 +71,7 @@ class CPrinter(Printer):
         return f"({text})" if text.startswith("-") else text
 
     def format_entry(self, constant: Const) -> str:
-        """In a table a negative number needs no brackets."""
+        """Return a number of a table, where a negative one needs no brackets."""
         return self.literal(constant).strip("()")
 
     # ---- expressions
@@ -79,6 +80,7 @@ class CPrinter(Printer):
         return f"{self.prefix}_{name}" if self.is_table(name) else name
 
     def format_load(self, array: str, index: str) -> str:
+        """Return an entry; one of a table of integers is read by a macro, since it may be in flash."""
         entry = super().format_load(array, index)
         table = next((t for t in self.program.tables if self.array(t.name) == array), None)
         if table is None or not uses_fixed(self.program):
@@ -95,7 +97,7 @@ class CPrinter(Printer):
         return f"(int32_t){value}"
 
     def format_math(self, name: str, args: Sequence[str]) -> str:
-        """The C library's function in the program's own precision."""
+        """Return a call of the C library's function in the program's precision."""
         return f"{name}{'f' if self.program.scalar == 'float' else ''}({', '.join(args)})"
 
     def op_neg(self, a: str) -> str:
@@ -141,7 +143,7 @@ class CPrinter(Printer):
         return f"{self.prefix}_leading({a})"
 
     def op_eq(self, a: str, b: str) -> str:
-        """== on reals is refused by -Wfloat-equal; this is the same, false for NaN included."""
+        """Return a test for equality without ==, which -Wfloat-equal refuses; it is false for NaN too."""
         return f"({a} <= {b}) && ({b} <= {a})"
 
     def op_ne(self, a: str, b: str) -> str:
@@ -174,10 +176,11 @@ class CPrinter(Printer):
         return ["return;" if status is None else f"return {self.expression(status)};"]
 
     def leave(self, statement: Return) -> list[str]:
-        """At the end of a function that returns nothing there is nothing to write."""
+        """Return the lines of a way out; none at the end of a function that returns nothing."""
         return [] if statement.when is None and statement.status is None else super().leave(statement)
 
     def format_call(self, call: Call) -> list[str]:
+        """Return a call: one result is its value, several go through pointers."""
         args = [self.expression(a) for a in call.args]
         name = f"{self.prefix}_{call.kernel}"
         if len(call.results) == 1:
@@ -197,16 +200,17 @@ class CPrinter(Printer):
         return [*lines, "};"]
 
     def kernel(self, kernel: Kernel) -> list[str]:
+        """Return a kernel as a static function: one output is its value, several are written through pointers."""
         inputs = [f"{self.type_name(v.type)} {v.name}" for v in kernel.inputs]
         lines = self.comment(kernel.doc)
         if len(kernel.outputs) == 1:
             kind = self.type_name(kernel.outputs[0].type)
             lines += self.wrap(f"static inline {kind} {self.prefix}_{kernel.name}(", inputs, ")")
             return [*lines, "{", *self.statements(kernel.body), f"    return {self.expression(kernel.outputs[0])};", "}"]
-        taken = {v.name for v in kernel.inputs} | {a.var.name for a in kernel.body}
-        names = [n + "_out" if n in taken else n for n in kernel.output_names]
-        outs = [f"{self.type_name(o.type)} *{n}" for o, n in zip(kernel.outputs, names, strict=True)]
-        lines += self.wrap(f"static inline void {self.prefix}_{kernel.name}(", inputs + outs, ")")
+        local_names = {v.name for v in kernel.inputs} | {a.var.name for a in kernel.body}
+        names = [n + "_out" if n in local_names else n for n in kernel.output_names]
+        pointers = [f"{self.type_name(o.type)} *{n}" for o, n in zip(kernel.outputs, names, strict=True)]
+        lines += self.wrap(f"static inline void {self.prefix}_{kernel.name}(", inputs + pointers, ")")
         stores = [f"    *{n} = {self.expression(o)};" for n, o in zip(names, kernel.outputs, strict=True)]
         return [*lines, "{", *self.statements(kernel.body), *stores, "}"]
 
@@ -219,8 +223,10 @@ class CPrinter(Printer):
         return lines
 
     def signature(self, function: Function) -> list[str]:
-        status, real, truth = function.returns_status, function.returns_real, function.returns_bool
-        kind = f"{self.prefix}_status" if status else self.real if real else "bool" if truth else "void"
+        if function.returns_status:
+            kind = f"{self.prefix}_status"
+        else:
+            kind = self.real if function.returns_real else "bool" if function.returns_bool else "void"
         return self.wrap(f"{kind} {self.prefix}_{function.name}(", [self.param(p) for p in function.params], ")")
 
     def param(self, param: Param) -> str:
@@ -231,7 +237,7 @@ class CPrinter(Printer):
         return f"{'' if param.output else 'const '}{self.type_name(param.type)} {param.name}[{length}]"
 
     def wrap(self, head: str, parts: list[str], tail: str, width: int = 112) -> list[str]:
-        """`head` + parts separated by commas + `tail`, broken under the opening parenthesis where too long."""
+        """Return `head` + parts separated by commas + `tail`, broken under the opening parenthesis where too long."""
         lines, line = [], head
         for k, part in enumerate(parts):
             piece = part + (tail if k == len(parts) - 1 else ",")

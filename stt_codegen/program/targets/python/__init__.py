@@ -10,7 +10,7 @@ from stt_codegen.program.targets.target import Emitted, TargetLanguage
 
 __all__ = ["TARGET", "PythonPrinter", "runner"]
 
-# Modules that <name>.py must not shadow: the interpreter puts the folder of a script ahead of its own library.
+# Modules that <name>.py must not shadow: the interpreter looks in the folder of a script before its library.
 MODULES = frozenset({name.lower() for name in sys.stdlib_module_names} | {"numpy"})
 
 

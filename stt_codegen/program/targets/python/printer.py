@@ -22,14 +22,14 @@ from stt_codegen.program.number import FORMATS, round_to, shortest
 from stt_codegen.program.operations import INT, TICK
 from stt_codegen.program.targets.printer import Printer
 
-_SIGNS = {"and": "and", "or": "or", "idiv": "//"}  # where Python writes another one than C
+_SIGNS = {"and": "and", "or": "or", "idiv": "//"}  # infix signs that differ from those of C
 
 
 class PythonPrinter(Printer):
-    """Arrays come in as sequences and go out as tuples; nothing is changed in place."""
+    """Prints Python. Arrays come in as sequences and go out as tuples; nothing is changed in place."""
 
     def helpers(self) -> list[str]:
-        """What some node of the program needs beside expressions."""
+        """Return the helper function of the operations `exponent` and `mantissa`, where the program has one."""
         if not uses_split(self.program):
             return []
         smallest = self.literal(Const(FORMATS[self.program.scalar].smallest_mantissa))
@@ -41,6 +41,7 @@ class PythonPrinter(Printer):
         ]
 
     def literal(self, constant: Const) -> str:
+        """Return a constant; a real is rounded to the program's scalar, and written as a double."""
         value = constant.value
         if isinstance(value, Status):
             return value.name
@@ -71,7 +72,7 @@ class PythonPrinter(Printer):
         return f"math.{name}({', '.join(args)})"
 
     def op_floor(self, a: str) -> str:
-        """Python's returns a whole number of another type, and so does its ceil."""
+        """Return floor as a float; that of Python is an integer, and so is its ceil."""
         return f"float(math.floor({a}))"
 
     def op_ceil(self, a: str) -> str:

@@ -12,7 +12,7 @@ from stt_codegen.program.targets.target import Emitted
 
 
 def load_module(name: str, text: bytes) -> ModuleType:
-    """A module from the text of a Python file that this package has just made."""
+    """Return a module from the text of a Python file that this package has just emitted."""
     module = ModuleType(name)
     exec(compile(text, f"{name}.py", "exec"), module.__dict__)
     return module

@@ -8,7 +8,7 @@ from stt_codegen.program.targets.target import Emitted, Layout, TargetLanguage
 
 __all__ = ["TARGET", "RustPrinter", "runner"]
 
-# Of all editions, strict and reserved, and crates that a program has already.
+# Reserved words of all editions, and crates that every program has.
 RUST_WORDS = frozenset(
     """Self abstract alloc as async await become box break const continue core crate do dyn else enum extern false final fn
     for gen if impl in let libm loop macro match mod move mut override priv proc_macro pub ref return self static std

@@ -1,7 +1,7 @@
-"""Program to Rust: one `no_std` module of safe code, in the program's own precision. What a function writes, it returns.
+"""Program to Rust: one `no_std` module of safe code, in the program's own precision. A function returns its outputs.
 
-Assumed of the compiler: IEEE-754 arithmetic without fused multiply-add, which is what Rust's own is. A function of mathematics is
-that of `std` (the C library's, on most systems), or of the crate `libm` without it.
+Assumed of the compiler: IEEE-754 arithmetic without fused multiply-add, which is what Rust defines. A function of mathematics is
+that of `std` (the C library's, on most systems), or of the crate `libm` where there is no `std`.
 """
 
 from __future__ import annotations
@@ -35,62 +35,63 @@ from stt_codegen.program.number import round_to, shortest
 from stt_codegen.program.operations import BOOL, INT, OPERATIONS, REAL, STATUS, TICK, Type
 from stt_codegen.program.targets.printer import INDENT, Printer
 
-_BITS = {  # bits of a number, of its fraction, and the number 1/sqrt 2
+_BIT_LAYOUTS = {  # width of a number, width of its fraction, and the bits of 1/sqrt 2
     "float": (32, 23, "0x3f35_04f3"),
     "double": (64, 52, "0x3fe6_a09e_667f_3bcd"),
 }
-# What `std` calls them, where it is not C's name.
-_STD = {"log": "ln", "log1p": "ln_1p", "expm1": "exp_m1", "pow": "powf"}
+# Names in `std` that differ from those of C.
+_STD_NAMES = {"log": "ln", "log1p": "ln_1p", "expm1": "exp_m1", "pow": "powf"}
 
 
 class RustPrinter(Printer):
-    """Arrays come in as references and go out as values; one that is read and changed is a mutable reference."""
+    """Prints Rust. Arrays come in as references and go out as values; one that is read and changed is a mutable reference."""
 
     def __init__(self, program: Program) -> None:
         super().__init__(program)
         self.real = {"float": "f32", "double": "f64"}[self.program.scalar]
 
-    # ---- what stands before the kernels
+    # ---- helper functions
 
     def library(self) -> list[str]:
-        """The functions of mathematics that some kernel calls, by C's names."""
+        """Return the functions of mathematics that some kernel calls, by their names in C."""
         values = [a.value for kernel in self.program.kernels for a in kernel.body]
         used = {OPERATIONS[v.name].call for v in values if isinstance(v, Op)} - {"", "fabs"}
         return sorted(used)
 
     def helpers(self) -> list[list[str]]:
-        """What some node of the program needs beside expressions, one function a part."""
-        bits, shift, least = _BITS[self.program.scalar]
-        fraction = f"0x{(1 << shift) - 1:x}"
-        parts = []
-        for name in self.library():
-            two = OPERATIONS[name].args == (REAL, REAL)
-            head = f"fn {name}(x: Real, y: Real) -> Real {{" if two else f"fn {name}(x: Real) -> Real {{"
-            own, theirs = _STD.get(name, name), name + ("f" if self.program.scalar == "float" else "")
-            parts.append(
-                [
-                    '#[cfg(feature = "std")]', "#[inline]", head, f"    x.{own}({'y' if two else ''})", "}", "",
-                    '#[cfg(all(feature = "libm", not(feature = "std")))]', "#[inline]", head,
-                    f"    libm::{theirs}(x{', y' if two else ''})", "}",
-                ]
-            )  # fmt: skip
+        """Return the helper functions that operations of the program call, each as a list of lines."""
+        functions = [self._library_function(name) for name in self.library()]
+        bits, _, _ = _BIT_LAYOUTS[self.program.scalar]
         if any(isinstance(a.value, Op) and a.value.name == "fabs" for k in self.program.kernels for a in k.body):
-            sign = f"0x7{'f' * (bits // 4 - 1)}"
-            parts.append(["#[inline]", "fn fabs(x: Real) -> Real {", f"    Real::from_bits(x.to_bits() & {sign})", "}"])
-        if uses_split(self.program):
-            parts.append(
-                [
-                    "/// y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e.", "#[inline]",
-                    "fn exponent(y: Real) -> i32 {", f"    ((y.to_bits() - {least}) >> {shift}) as i32", "}",
-                ]
-            )  # fmt: skip
-            parts.append(
-                [
-                    "/// And m.", "#[inline]", "fn mantissa(y: Real) -> Real {",
-                    f"    Real::from_bits(((y.to_bits() - {least}) & {fraction}) + {least})", "}",
-                ]
-            )  # fmt: skip
-        return parts
+            sign_mask = f"0x7{'f' * (bits // 4 - 1)}"
+            functions.append(["#[inline]", "fn fabs(x: Real) -> Real {", f"    Real::from_bits(x.to_bits() & {sign_mask})", "}"])
+        return functions + (self._split_functions() if uses_split(self.program) else [])
+
+    def _library_function(self, name: str) -> list[str]:
+        """Return a function of mathematics, C's name of it, that calls `std` or, without it, the crate `libm`."""
+        is_binary = OPERATIONS[name].args == (REAL, REAL)
+        head = f"fn {name}(x: Real, y: Real) -> Real {{" if is_binary else f"fn {name}(x: Real) -> Real {{"
+        std_name = _STD_NAMES.get(name, name)
+        libm_name = name + ("f" if self.program.scalar == "float" else "")
+        return [
+            '#[cfg(feature = "std")]', "#[inline]", head, f"    x.{std_name}({'y' if is_binary else ''})", "}", "",
+            '#[cfg(all(feature = "libm", not(feature = "std")))]', "#[inline]", head,
+            f"    libm::{libm_name}(x{', y' if is_binary else ''})", "}",
+        ]  # fmt: skip
+
+    def _split_functions(self) -> list[list[str]]:
+        """Return the functions of the operations `exponent` and `mantissa`."""
+        _, shift, smallest = _BIT_LAYOUTS[self.program.scalar]
+        return [
+            [
+                "/// y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e.", "#[inline]",
+                "fn exponent(y: Real) -> i32 {", f"    ((y.to_bits() - {smallest}) >> {shift}) as i32", "}",
+            ],
+            [
+                "/// And m.", "#[inline]", "fn mantissa(y: Real) -> Real {",
+                f"    Real::from_bits(((y.to_bits() - {smallest}) & 0x{(1 << shift) - 1:x}) + {smallest})", "}",
+            ],
+        ]  # fmt: skip
 
     # ---- names and literals
 
@@ -101,6 +102,7 @@ class RustPrinter(Printer):
         return "".join(word.capitalize() for word in status.name.split("_"))
 
     def literal(self, constant: Const) -> str:
+        """Return a constant as Rust writes it."""
         value = constant.value
         if isinstance(value, Status):
             return f"Status::{self.status(value)}"
@@ -115,7 +117,7 @@ class RustPrinter(Printer):
     def array(self, name: str) -> str:
         return name.upper() if self.is_table(name) else name
 
-    # ---- expressions: operands are names and numbers, so brackets are never needed but about a number's own sign
+    # ---- expressions: operands are names and numbers, so only a negative number needs brackets
 
     def format_load(self, array: str, index: str) -> str:
         return f"{array}[{self.index(index)}]"
@@ -184,20 +186,20 @@ class RustPrinter(Printer):
 
     def format_call(self, call: Call) -> list[str]:
         names = [self._bound(r) for r in call.results]
-        taken = names[0] if len(names) == 1 else f"({', '.join(names)})"
-        # By its path, for an argument may have the kernel's name.
-        return [f"let {taken} = self::{call.kernel}({', '.join(self.expression(a) for a in call.args)});"]
+        pattern = names[0] if len(names) == 1 else f"({', '.join(names)})"
+        # The kernel goes by its path, for an argument may have its name.
+        return [f"let {pattern} = self::{call.kernel}({', '.join(self.expression(a) for a in call.args)});"]
 
     def _bound(self, var: Var) -> str:
-        """A name that nothing reads begins with a low line, or the compiler warns."""
-        return var.name if self.inside is None or var.name in self._read else f"_{var.name}"
+        """Return the name of a variable; one that nothing reads begins with an underscore, or the compiler warns."""
+        return var.name if self.inside is None or var.name in self._read_names else f"_{var.name}"
 
     def format_leave(self, status: Expression | None) -> list[str]:
         value = self._returned(status)
         return [f"return {value};" if value else "return;"]
 
     def leave(self, statement: Return) -> list[str]:
-        """What ends a function is its value, without a word."""
+        """Return the lines of a way out; at the end of a function its value alone, without `return`."""
         if statement.when is None:
             value = self._returned(statement.status)
             return [value] if value else []
@@ -216,7 +218,7 @@ class RustPrinter(Printer):
         return [*self.comment(table.doc, "//"), head, *self.rows(table), "];"]
 
     def numbers(self, table: Table, row: int) -> str:
-        """One row of a table."""
+        """Return the numbers of one row of a table, with commas between them."""
         return ", ".join(self.literal(Const(v)) for v in table.values[row * table.row : (row + 1) * table.row])
 
     def kernel(self, kernel: Kernel) -> list[str]:
@@ -227,7 +229,8 @@ class RustPrinter(Printer):
         return [*self.comment(kernel.doc, "//"), "#[inline]", *head, *self.statements(kernel.body), INDENT + value, "}"]
 
     def function(self, function: Function) -> list[str]:
-        self.inside, self._read = function, set(_names(function.body))
+        """Return a public function; it returns its arrays and its status, real or truth value as a tuple."""
+        self.inside, self._read_names = function, set(_names_read(function.body))
         kinds = [f"[Real; {p.length}]" for p in function.outputs if not p.inout]
         kinds += ["Status"] * function.returns_status + ["Real"] * function.returns_real + ["bool"] * function.returns_bool
         kind = kinds[0] if len(kinds) == 1 else f"({', '.join(kinds)})" if kinds else ""
@@ -246,7 +249,7 @@ class RustPrinter(Printer):
         return f"{param.name}: &{'mut ' if param.inout else ''}[Real; {param.length}]"
 
     def signature(self, name: str, inputs: Sequence[str], result: str) -> list[str]:
-        """On one line, or where that is too long with an argument a line, as rustfmt has it."""
+        """Return a signature on one line, or where that is too long on one line for each argument, as rustfmt does."""
         line = f"{name}({', '.join(inputs)}){result} {{"
         return [line] if len(line) <= 100 else [f"{name}(", *(f"    {i}," for i in inputs), f"){result} {{"]
 
@@ -254,8 +257,8 @@ class RustPrinter(Printer):
         return [f"{mark} {line}".rstrip() for line in doc]
 
 
-def _names(body: Sequence[Statement]) -> Iterator[str]:
-    """Names that are read."""
+def _names_read(body: Sequence[Statement]) -> Iterator[str]:
+    """Yield the names that a body reads."""
     for statement in body:
         read: Sequence[Expression] = ()
         match statement:
@@ -267,8 +270,8 @@ def _names(body: Sequence[Statement]) -> Iterator[str]:
                 read = (index, value)
             case For(body=inner, carries=carries):
                 read = [v for c in carries for v in (c.initial, c.next)]
-                yield from _names(inner)
+                yield from _names_read(inner)
             case Return(status=status, when=when, body=inner):
                 read = [v for v in (status, when) if v is not None]
-                yield from _names(inner)
+                yield from _names_read(inner)
         yield from (v.name for e in read for v in (e, *operands(e)) if isinstance(v, Var))

@@ -20,17 +20,17 @@ OPTIMIZED = ("-C", "opt-level=3", "-C", "panic=abort", "-C", "codegen-units=1")
 
 
 def find_rustc() -> str:
-    """The Rust compiler: $RUSTC, or rustc. Raises `MissingTool`."""
-    return compilers()[0]
+    """Return the path of the Rust compiler: $RUSTC, or rustc. Raises `MissingTool`."""
+    return find_rust_compilers()[0]
 
 
-def compilers() -> list[str]:
-    """$RUSTC alone, or every rustc on the path: rustup's and the distribution's may stand side by side. Raises `MissingTool`."""
+def find_rust_compilers() -> list[str]:
+    """Return $RUSTC alone, or every rustc on the path: rustup's and the distribution's may both be. Raises `MissingTool`."""
     folders = [None] if os.environ.get("RUSTC") else os.get_exec_path()
-    found = [shutil.which(os.environ.get("RUSTC") or "rustc", path=folder) for folder in folders]
-    if not any(found):
+    paths = [shutil.which(os.environ.get("RUSTC") or "rustc", path=folder) for folder in folders]
+    if not any(paths):
         raise MissingTool("no Rust compiler found; install rustc (Debian: apt-get install rustc, or rustup), or set RUSTC")
-    return [one for one in dict.fromkeys(found) if one]
+    return [path for path in dict.fromkeys(paths) if path]
 
 
 class CompiledRust(CompiledC):
@@ -39,27 +39,30 @@ class CompiledRust(CompiledC):
     def __init__(self, controller: Emitted) -> None:
         rustc = find_rustc()
         with tempfile.TemporaryDirectory() as folder:
-            made = f"{folder}/controller.so"
-            rlib = controller_library(controller, rustc, folder, ("--cfg", 'feature="std"'))
-            abi = interface(controller.program, folder, board=False)
+            compiled = f"{folder}/controller.so"
+            rlib = compile_controller_library(controller, rustc, folder, ("--cfg", 'feature="std"'))
+            abi = write_c_interface(controller.program, folder, board=False)
             extern = ("--extern", f"{controller.program.prefix}={rlib}")
-            run_compiler([rustc, *EDITION, *OPTIMIZED, "--crate-type", "cdylib", *extern, abi, "-o", made])
-            super().__init__(controller, library=Path(made))
+            run_compiler([rustc, *EDITION, *OPTIMIZED, "--crate-type", "cdylib", *extern, abi, "-o", compiled])
+            super().__init__(controller, library=Path(compiled))
         self.name = f"Rust {self.scalar}"
 
 
-def controller_library(controller: Emitted, rustc: str, folder: str, flags: Sequence[str]) -> str:
-    """The emitted file, compiled; the path of what was made."""
+def compile_controller_library(controller: Emitted, rustc: str, folder: str, flags: Sequence[str]) -> str:
+    """Compile the emitted file into a library of Rust in this folder, and return its path."""
     prefix = controller.program.prefix
-    source, made = Path(folder, f"{prefix}.rs"), f"{folder}/lib{prefix}.rlib"
+    source, library = Path(folder, f"{prefix}.rs"), f"{folder}/lib{prefix}.rlib"
     source.write_bytes(controller.files[source.name])
-    wanted = ("-D", "warnings", "--crate-type", "rlib", "--crate-name", prefix)
-    run_compiler([rustc, *EDITION, *OPTIMIZED, *wanted, *flags, str(source), "-o", made])
-    return made
+    crate_flags = ("-D", "warnings", "--crate-type", "rlib", "--crate-name", prefix)
+    run_compiler([rustc, *EDITION, *OPTIMIZED, *crate_flags, *flags, str(source), "-o", library])
+    return library
 
 
-def interface(program: Program, folder: str, board: bool) -> str:
-    """The path of a Rust file with C's names and parameters for the public functions; for a board with a panic's end."""
+def write_c_interface(program: Program, folder: str, board: bool) -> str:
+    """Write a Rust file that gives the public functions C's names and parameters, and return its path.
+
+    board: whether it has a panic handler too, which a board needs.
+    """
     path = Path(folder, "abi.rs")
     path.write_text(template("rust/abi.rs.j2").render(prefix=program.prefix, functions=program.functions, board=board))
     return str(path)
