@@ -6,7 +6,7 @@ From Coq Require Import Reals Lra Psatz Lia.
 From Coquelicot Require Import Coquelicot.
 Open Scope R_scope.
 
-Lemma last_time (f : R -> R) (s t c : R) : s <= t -> (forall r, continuity_pt f r) -> c <= f s -> f t < c ->
+Lemma last_time_at_least (f : R -> R) (s t c : R) : s <= t -> (forall r, continuity_pt f r) -> c <= f s -> f t < c ->
   exists m, s <= m < t /\ c <= f m /\ forall r, m < r <= t -> f r < c.
 Proof.
   intros St Cf Fs Ft.
@@ -32,11 +32,11 @@ Proof.
   - intros r Hr; apply Rnot_le_lt; intro C. assert (r <= m) by (apply Ub; unfold E; lra). lra.
 Qed.
 
-Lemma first_time (f : R -> R) (t c : R) : 0 <= t -> (forall r, continuity_pt f r) -> c < f 0 -> f t <= c ->
+Lemma first_time_at_most (f : R -> R) (t c : R) : 0 <= t -> (forall r, continuity_pt f r) -> c < f 0 -> f t <= c ->
   exists m, 0 < m <= t /\ f m <= c /\ forall r, 0 <= r < m -> c < f r.
 Proof.
   intros Ht Cf F0 Ft.
-  destruct (last_time (fun r => - f (t - r)) 0 t (- c)) as (m & Hm & Fm & A).
+  destruct (last_time_at_least (fun r => - f (t - r)) 0 t (- c)) as (m & Hm & Fm & A).
   - exact Ht.
   - intro r; apply continuity_pt_opp. apply (continuity_pt_comp (fun r => t - r) f); [|apply Cf].
     apply continuity_pt_minus; [apply continuity_pt_const; now intros ? ?|apply derivable_continuous_pt, derivable_pt_id].
@@ -47,59 +47,59 @@ Proof.
 Qed.
 
 (* What rises at least at v inside an interval; nothing is known of derivatives at its ends. *)
-Lemma rises x dx s m v : s < m -> (forall r, continuity_pt x r) ->
-  (forall r, s < r < m -> is_derive x r (dx r) /\ v <= dx r) -> v * (m - s) <= x m - x s.
+Lemma rises_at_rate f df t0 t1 rate : t0 < t1 -> (forall r, continuity_pt f r) ->
+  (forall r, t0 < r < t1 -> is_derive f r (df r) /\ rate <= df r) -> rate * (t1 - t0) <= f t1 - f t0.
 Proof.
   intros Sm Cx D.
   (* the derivative at the ends is not known: mean value on the open interval *)
-  destruct (MVT_gen x s m (fun r => dx r)) as (c & Hc & E).
+  destruct (MVT_gen f t0 t1 (fun r => df r)) as (c & Hc & E).
   - rewrite Rmin_left, Rmax_right by lra; intros r Hr; apply D; lra.
   - intros r _; apply Cx.
   - rewrite Rmin_left, Rmax_right in Hc by lra.
     (* MVT_gen gives c in the closed interval; argue with the classical theorem instead when c is an end *)
-    assert (H : exists c, s < c < m /\ x m - x s = dx c * (m - s)).
+    assert (H : exists c, t0 < c < t1 /\ f t1 - f t0 = df c * (t1 - t0)).
     { clear c Hc E.
-      assert (pr : forall c, s < c < m -> derivable_pt x c).
-      { intros c Hc; exists (dx c); apply is_derive_Reals, D; lra. }
-      assert (pr2 : forall c, s < c < m -> derivable_pt id c) by (intros; apply derivable_pt_id).
-      destruct (MVT x id s m pr pr2 Sm) as (c & Hc & E).
+      assert (pr : forall c, t0 < c < t1 -> derivable_pt f c).
+      { intros c Hc; exists (df c); apply is_derive_Reals, D; lra. }
+      assert (pr2 : forall c, t0 < c < t1 -> derivable_pt id c) by (intros; apply derivable_pt_id).
+      destruct (MVT f id t0 t1 pr pr2 Sm) as (c & Hc & E).
       - intros; apply Cx.
       - intros; apply derivable_continuous_pt, derivable_pt_id.
       - exists c; split; [exact Hc|].
         unfold id at 1 2 in E.
         replace (derive_pt id c (pr2 c Hc)) with 1 in E by (symmetry; rewrite (pr_nu id c _ (derivable_pt_id c)); apply derive_pt_id).
-        replace (derive_pt x c (pr c Hc)) with (dx c) in E; [lra|].
+        replace (derive_pt f c (pr c Hc)) with (df c) in E; [lra|].
         symmetry; apply derive_pt_eq_0, is_derive_Reals, D; lra. }
     destruct H as (c' & Hc' & ->). apply Rmult_le_compat_r; [lra|]. apply D; lra.
 Qed.
 
 (* (13) with a = x - lower and b = upper - x: xi = 1/a + 1/b, epsilon = ln(a/b). *)
-Definition law (k a b : R) : R := - k * (1 / a + 1 / b) * ln (a / b).
+Definition law (gain a b : R) : R := - gain * (1 / a + 1 / b) * ln (a / b).
 
-Lemma law_opp k a b : 0 < a -> 0 < b -> law k a b = - law k b a.
+Lemma law_odd gain a b : 0 < a -> 0 < b -> law gain a b = - law gain b a.
 Proof.
   intros; unfold law. replace (a / b) with (/ (b / a)) by (field; lra).
   rewrite ln_Rinv by (apply Rdiv_lt_0_compat; lra). ring.
 Qed.
 
 (* Closer than rho to an edge the law outweighs F + v. *)
-Lemma push k a b rho d gm F v : 0 < k -> 0 < a <= rho -> d <= a + b -> rho <= d / 4 -> 0 < gm -> rho * (F + v) <= gm * k ->
-  F + v <= gm * law k a b.
+Lemma law_outweighs_bounds_near_edge gain a b rho width g_min force_max edge_speed : 0 < gain -> 0 < a <= rho -> width <= a + b -> rho <= width / 4 -> 0 < g_min -> rho * (force_max + edge_speed) <= g_min * gain ->
+  force_max + edge_speed <= g_min * law gain a b.
 Proof.
   intros Hk Ha Hd Hr Hg Hs.
   assert (B : 3 * a <= b) by lra.
   assert (Ln : 1 <= ln (b / a)).
   { rewrite <- (ln_exp 1). apply Rcomplements.ln_le; [apply exp_pos|].
     apply Rle_trans with 3; [apply exp_le_3|]. apply Rcomplements.Rle_div_r; lra. }
-  rewrite law_opp by lra. unfold law.
-  replace (gm * - (- k * (1 / b + 1 / a) * ln (b / a))) with (gm * k * ((1 / a + 1 / b) * ln (b / a))) by ring.
+  rewrite law_odd by lra. unfold law.
+  replace (g_min * - (- gain * (1 / b + 1 / a) * ln (b / a))) with (g_min * gain * ((1 / a + 1 / b) * ln (b / a))) by ring.
   assert (0 < / b) by (apply Rinv_0_lt_compat; lra).
   assert (/ rho <= / a) by (apply Rinv_le_contravar; lra).
   assert (0 < / rho) by (apply Rinv_0_lt_compat; lra).
   assert (/ rho <= (1 / a + 1 / b) * ln (b / a)).
   { rewrite <- (Rmult_1_r (/ rho)). apply Rmult_le_compat; unfold Rdiv; lra. }
-  apply Rle_trans with (gm * k * / rho).
-  - apply (Rmult_le_reg_l rho); [lra|]. replace (rho * (gm * k * / rho)) with (gm * k) by (field; lra). lra.
+  apply Rle_trans with (g_min * gain * / rho).
+  - apply (Rmult_le_reg_l rho); [lra|]. replace (rho * (g_min * gain * / rho)) with (g_min * gain) by (field; lra). lra.
   - apply Rmult_le_compat_l; [|lra]. left; apply Rmult_lt_0_compat; lra.
 Qed.
 
@@ -117,30 +117,30 @@ Proof.
   - apply continuity_pt_const; now intros ? ?.
 Qed.
 
-Fixpoint least_of (n : nat) (h : nat -> R -> R) (t : R) : R :=
-  match n with O => 1 | S m => Rmin (h m t) (least_of m h t) end.
+Fixpoint minimum_of (n : nat) (values : nat -> R -> R) (t : R) : R :=
+  match n with O => 1 | S m => Rmin (values m t) (minimum_of m values t) end.
 
-Lemma least_of_cont n h : (forall i t, (i < n)%nat -> continuity_pt (h i) t) -> forall t, continuity_pt (least_of n h) t.
+Lemma minimum_of_continuous n values : (forall i t, (i < n)%nat -> continuity_pt (values i) t) -> forall t, continuity_pt (minimum_of n values) t.
 Proof.
   induction n; intros H t; cbn.
   - apply continuity_pt_const; now intros ? ?.
   - apply continuity_pt_Rmin; [apply H; lia|apply IHn; intros; apply H; lia].
 Qed.
-Lemma least_of_le n h t i : (i < n)%nat -> least_of n h t <= h i t.
+Lemma minimum_of_below n values t i : (i < n)%nat -> minimum_of n values t <= values i t.
 Proof.
   induction n; [lia|]; intro H; cbn. destruct (Nat.eq_dec i n) as [->|]; [apply Rmin_l|].
-  apply Rle_trans with (least_of n h t); [apply Rmin_r|apply IHn; lia].
+  apply Rle_trans with (minimum_of n values t); [apply Rmin_r|apply IHn; lia].
 Qed.
-Lemma least_of_from n h t c : c <= 1 -> (forall i, (i < n)%nat -> c <= h i t) -> c <= least_of n h t.
+Lemma minimum_of_at_least n values t c : c <= 1 -> (forall i, (i < n)%nat -> c <= values i t) -> c <= minimum_of n values t.
 Proof. intro C; induction n; intro H; cbn; [exact C|]. apply Rmin_glb; [apply H; lia|apply IHn; intros; apply H; lia]. Qed.
-Lemma least_of_at n h t : least_of n h t < 1 -> exists i, (i < n)%nat /\ h i t = least_of n h t.
+Lemma minimum_of_attained n values t : minimum_of n values t < 1 -> exists i, (i < n)%nat /\ values i t = minimum_of n values t.
 Proof.
   induction n; cbn; [lra|]. unfold Rmin; destruct Rle_dec; intro H; [exists n; split; [lia|reflexivity]|].
   destruct (IHn H) as (i & Hi & E); exists i; split; [lia|exact E].
 Qed.
 
 (* a positive number below finitely many positive ones *)
-Lemma common n (P : nat -> R -> Prop) : (forall i r r', P i r -> 0 < r' <= r -> P i r') ->
+Lemma common_positive_bound n (P : nat -> R -> Prop) : (forall i r r', P i r -> 0 < r' <= r -> P i r') ->
   (forall i, (i < n)%nat -> exists r, 0 < r /\ P i r) -> exists r, 0 < r <= 1 /\ forall i, (i < n)%nat -> P i r.
 Proof.
   intros Mono; induction n; intro H; [exists 1; split; [lra|lia]|].
@@ -152,124 +152,124 @@ Proof.
   - apply Mono with r; [apply A; lia|]; split; [easy|apply Rmin_l].
 Qed.
 
-Definition lipschitz (v : R) (L : R -> R) : Prop := forall s t, Rabs (L t - L s) <= v * Rabs (t - s).
+Definition lipschitz (speed : R) (f : R -> R) : Prop := forall s t, Rabs (f t - f s) <= speed * Rabs (t - s).
 
-Lemma lipschitz_cont v L : lipschitz v L -> forall t, continuity_pt L t.
+Lemma lipschitz_continuous speed f : lipschitz speed f -> forall t, continuity_pt f t.
 Proof.
   intros H t e He.
-  assert (V : 0 <= v).
-  { assert (A := H 0 1). replace (1 - 0) with 1 in A by ring. rewrite Rabs_R1, Rmult_1_r in A. pose proof (Rabs_pos (L 1 - L 0)); lra. }
-  exists (e / (v + 1)); split; [apply Rdiv_lt_0_compat; lra|].
+  assert (V : 0 <= speed).
+  { assert (A := H 0 1). replace (1 - 0) with 1 in A by ring. rewrite Rabs_R1, Rmult_1_r in A. pose proof (Rabs_pos (f 1 - f 0)); lra. }
+  exists (e / (speed + 1)); split; [apply Rdiv_lt_0_compat; lra|].
   intros r [_ Hr]; cbn in *; unfold R_dist in *.
-  apply Rle_lt_trans with (v * Rabs (r - t)); [apply H|].
-  assert (v * Rabs (r - t) <= v * (e / (v + 1))) by (apply Rmult_le_compat_l; lra).
-  assert (v * (e / (v + 1)) < e); [|lra].
-  apply (Rmult_lt_reg_r (v + 1)); [lra|]. replace (v * (e / (v + 1)) * (v + 1)) with (v * e) by (field; lra). nra.
+  apply Rle_lt_trans with (speed * Rabs (r - t)); [apply H|].
+  assert (speed * Rabs (r - t) <= speed * (e / (speed + 1))) by (apply Rmult_le_compat_l; lra).
+  assert (speed * (e / (speed + 1)) < e); [|lra].
+  apply (Rmult_lt_reg_r (speed + 1)); [lra|]. replace (speed * (e / (speed + 1)) * (speed + 1)) with (speed * e) by (field; lra). nra.
 Qed.
 
 Section Loop.
-  Variables (n : nat) (T : R).
-  Variables k gmin F v d : nat -> R.                (* gain, least input gain, |f + w|, speed of the edges, least width *)
+  Variables (n : nat) (t_c : R).
+  Variables gain g_min force_max edge_speed width_min : nat -> R.                (* gain, least input gain, |f + w|, speed of the edges, least width *)
   Variables L U x f g : nat -> R -> R.              (* f: drift and disturbance along the solution *)
-  Hypothesis k_pos : forall i, (i < n)%nat -> 0 < k i.
-  Hypothesis g_pos : forall i, (i < n)%nat -> 0 < gmin i.
-  Hypothesis d_pos : forall i, (i < n)%nat -> 0 < d i.
-  Hypothesis L_lip : forall i, (i < n)%nat -> lipschitz (v i) (L i).
-  Hypothesis U_lip : forall i, (i < n)%nat -> lipschitz (v i) (U i).
-  Hypothesis wide : forall i t, (i < n)%nat -> 0 <= t <= T -> L i t + d i <= U i t.
-  Hypothesis x_cont : forall i t, (i < n)%nat -> continuity_pt (x i) t.
+  Hypothesis gain_pos : forall i, (i < n)%nat -> 0 < gain i.
+  Hypothesis g_min_pos : forall i, (i < n)%nat -> 0 < g_min i.
+  Hypothesis width_min_pos : forall i, (i < n)%nat -> 0 < width_min i.
+  Hypothesis L_lipschitz : forall i, (i < n)%nat -> lipschitz (edge_speed i) (L i).
+  Hypothesis U_lipschitz : forall i, (i < n)%nat -> lipschitz (edge_speed i) (U i).
+  Hypothesis wide_enough : forall i t, (i < n)%nat -> 0 <= t <= t_c -> L i t + width_min i <= U i t.
+  Hypothesis x_continuous : forall i t, (i < n)%nat -> continuity_pt (x i) t.
 
   Definition inside (t : R) : Prop := forall i, (i < n)%nat -> L i t < x i t < U i t.
-  Definition u (i : nat) (t : R) : R := law (k i) (x i t - L i t) (U i t - x i t).
+  Definition law_input (i : nat) (t : R) : R := law (gain i) (x i t - L i t) (U i t - x i t).
 
-  Hypothesis start : inside 0.
-  Hypothesis ode : forall t, 0 < t < T -> inside t -> forall i, (i < n)%nat ->
-    is_derive (x i) t (f i t + g i t * u i t) /\ Rabs (f i t) <= F i /\ gmin i <= g i t.
+  Hypothesis starts_inside : inside 0.
+  Hypothesis plant_equation : forall t, 0 < t < t_c -> inside t -> forall i, (i < n)%nat ->
+    is_derive (x i) t (f i t + g i t * law_input i t) /\ Rabs (f i t) <= force_max i /\ g_min i <= g i t.
 
-  Let room (i : nat) (t : R) := Rmin (x i t - L i t) (U i t - x i t).
+  Let distance_to_edge (i : nat) (t : R) := Rmin (x i t - L i t) (U i t - x i t).
 
-  Lemma room_cont i t : (i < n)%nat -> continuity_pt (room i) t.
+  Lemma distance_to_edge_continuous i t : (i < n)%nat -> continuity_pt (distance_to_edge i) t.
   Proof.
-    intro Hi; apply continuity_pt_Rmin; apply continuity_pt_minus; auto; eapply lipschitz_cont; eauto.
+    intro Hi; apply continuity_pt_Rmin; apply continuity_pt_minus; auto; eapply lipschitz_continuous; eauto.
   Qed.
 
-  Lemma level : exists rho, 0 < rho <= 1 /\ forall i, (i < n)%nat ->
-    rho <= room i 0 /\ rho <= d i / 4 /\ rho * (F i + v i) <= gmin i * k i.
+  Lemma safe_distance_exists : exists rho, 0 < rho <= 1 /\ forall i, (i < n)%nat ->
+    rho <= distance_to_edge i 0 /\ rho <= width_min i / 4 /\ rho * (force_max i + edge_speed i) <= g_min i * gain i.
   Proof.
-    destruct (common n (fun i r => r <= room i 0 /\ r <= d i / 4 /\ r * Rabs (F i + v i) <= gmin i * k i)) as (rho & Hr & A).
+    destruct (common_positive_bound n (fun i r => r <= distance_to_edge i 0 /\ r <= width_min i / 4 /\ r * Rabs (force_max i + edge_speed i) <= g_min i * gain i)) as (rho & Hr & A).
     3: { exists rho; split; [exact Hr|]; intros i Hi; destruct (A i Hi) as (B & C & D); repeat split; try lra.
-         apply Rle_trans with (rho * Rabs (F i + v i)); [apply Rmult_le_compat_l; [lra|apply Rle_abs]|exact D]. }
+         apply Rle_trans with (rho * Rabs (force_max i + edge_speed i)); [apply Rmult_le_compat_l; [lra|apply Rle_abs]|exact D]. }
     - intros i r r' (A & B & C) D; split; [|split]; try lra.
-      apply Rle_trans with (r * Rabs (F i + v i)); [apply Rmult_le_compat_r; [apply Rabs_pos|lra]|exact C].
+      apply Rle_trans with (r * Rabs (force_max i + edge_speed i)); [apply Rmult_le_compat_r; [apply Rabs_pos|lra]|exact C].
     - intros i Hi.
-      assert (R0 : 0 < room i 0) by (unfold room; destruct (start i Hi); apply Rmin_glb_lt; lra).
-      pose proof (d_pos i Hi). pose proof (Rmult_lt_0_compat _ _ (g_pos i Hi) (k_pos i Hi)) as GK.
-      set (q := gmin i * k i / (Rabs (F i + v i) + 1)).
-      pose proof (Rabs_pos (F i + v i)). pose proof (Rle_abs (F i + v i)).
+      assert (R0 : 0 < distance_to_edge i 0) by (unfold distance_to_edge; destruct (starts_inside i Hi); apply Rmin_glb_lt; lra).
+      pose proof (width_min_pos i Hi). pose proof (Rmult_lt_0_compat _ _ (g_min_pos i Hi) (gain_pos i Hi)) as GK.
+      set (q := g_min i * gain i / (Rabs (force_max i + edge_speed i) + 1)).
+      pose proof (Rabs_pos (force_max i + edge_speed i)). pose proof (Rle_abs (force_max i + edge_speed i)).
       assert (Q : 0 < q) by (apply Rdiv_lt_0_compat; lra).
-      assert (Pos : 0 < Rmin (room i 0) (Rmin (d i / 4) q)) by (apply Rmin_glb_lt; [exact R0|apply Rmin_glb_lt; lra]).
-      exists (Rmin (room i 0) (Rmin (d i / 4) q)); split; [exact Pos|].
+      assert (Pos : 0 < Rmin (distance_to_edge i 0) (Rmin (width_min i / 4) q)) by (apply Rmin_glb_lt; [exact R0|apply Rmin_glb_lt; lra]).
+      exists (Rmin (distance_to_edge i 0) (Rmin (width_min i / 4) q)); split; [exact Pos|].
       split; [apply Rmin_l|split].
       + eapply Rle_trans; [apply Rmin_r|apply Rmin_l].
-      + set (r := Rmin (room i 0) _) in *. assert (r <= q) by (eapply Rle_trans; [apply Rmin_r|apply Rmin_r]).
-        apply Rle_trans with (q * (Rabs (F i + v i) + 1)); [|right; unfold q; field; lra].
-        apply Rle_trans with (r * (Rabs (F i + v i) + 1)); [apply Rmult_le_compat_l; lra|apply Rmult_le_compat_r; lra].
+      + set (r := Rmin (distance_to_edge i 0) _) in *. assert (r <= q) by (eapply Rle_trans; [apply Rmin_r|apply Rmin_r]).
+        apply Rle_trans with (q * (Rabs (force_max i + edge_speed i) + 1)); [|right; unfold q; field; lra].
+        apply Rle_trans with (r * (Rabs (force_max i + edge_speed i) + 1)); [apply Rmult_le_compat_l; lra|apply Rmult_le_compat_r; lra].
   Qed.
 
   (* in fact it keeps a positive distance from every edge *)
-  Theorem stays : exists rho, 0 < rho /\ forall t, 0 <= t <= T -> forall i, (i < n)%nat ->
+  Theorem keeps_safe_distance : exists rho, 0 < rho /\ forall t, 0 <= t <= t_c -> forall i, (i < n)%nat ->
     rho <= x i t - L i t /\ rho <= U i t - x i t.
   Proof.
-    destruct level as (rho & Hr & A). exists rho; split; [lra|].
-    assert (G : forall t, 0 <= t <= T -> rho <= least_of n room t).
-    2: { intros t Ht i Hi; assert (B := G t Ht). pose proof (least_of_le n room t i Hi) as C. unfold room in C at 2.
+    destruct safe_distance_exists as (rho & Hr & A). exists rho; split; [lra|].
+    assert (G : forall t, 0 <= t <= t_c -> rho <= minimum_of n distance_to_edge t).
+    2: { intros t Ht i Hi; assert (B := G t Ht). pose proof (minimum_of_below n distance_to_edge t i Hi) as C. unfold distance_to_edge in C at 2.
          pose proof (Rmin_l (x i t - L i t) (U i t - x i t)). pose proof (Rmin_r (x i t - L i t) (U i t - x i t)). lra. }
     intros t1 Ht1; apply Rnot_lt_le; intro Bad.
-    set (h := least_of n room) in *.
+    set (h := minimum_of n distance_to_edge) in *.
     set (c := Rmax (rho / 2) ((h t1 + rho) / 2)).
     assert (C : 0 < c < rho /\ h t1 <= c) by (unfold c, Rmax; destruct Rle_dec; lra).
-    assert (H0 : rho <= h 0) by (apply least_of_from; [lra|intros; now apply A]).
-    destruct (first_time h t1 c) as (m & Hm & Fm & Before); try lra.
-    { intro; apply least_of_cont; intros; now apply room_cont. }
+    assert (H0 : rho <= h 0) by (apply minimum_of_at_least; [lra|intros; now apply A]).
+    destruct (first_time_at_most h t1 c) as (m & Hm & Fm & Before); try lra.
+    { intro; apply minimum_of_continuous; intros; now apply distance_to_edge_continuous. }
     assert (In : forall r, 0 <= r < m -> inside r).
-    { intros r Hr' i Hi. assert (B := Before r Hr'). pose proof (least_of_le n room r i Hi) as D. fold h in D.
-      unfold room in D. pose proof (Rmin_l (x i r - L i r) (U i r - x i r)). pose proof (Rmin_r (x i r - L i r) (U i r - x i r)). lra. }
-    destruct (least_of_at n room m) as (i & Hi & E); [fold h; lra|]. fold h in E.
-    destruct (A i Hi) as (A0 & Ad & Ag). unfold room in E, A0.
+    { intros r Hr' i Hi. assert (B := Before r Hr'). pose proof (minimum_of_below n distance_to_edge r i Hi) as D. fold h in D.
+      unfold distance_to_edge in D. pose proof (Rmin_l (x i r - L i r) (U i r - x i r)). pose proof (Rmin_r (x i r - L i r) (U i r - x i r)). lra. }
+    destruct (minimum_of_attained n distance_to_edge m) as (i & Hi & E); [fold h; lra|]. fold h in E.
+    destruct (A i Hi) as (A0 & Ad & Ag). unfold distance_to_edge in E, A0.
     pose proof (Rmin_l (x i 0 - L i 0) (U i 0 - x i 0)) as M1. pose proof (Rmin_r (x i 0 - L i 0) (U i 0 - x i 0)) as M2.
     assert (Near : x i m - L i m < rho \/ U i m - x i m < rho) by (unfold Rmin in E; destruct Rle_dec; [left|right]; lra).
     destruct Near as [Near|Near].
-    - destruct (last_time (fun t => x i t - L i t) 0 m rho) as (s & Hs & Fs & After); try lra.
-      { intro; apply continuity_pt_minus; [auto|eapply lipschitz_cont; eauto]. }
-      assert (v i * (m - s) <= x i m - x i s).
-      { apply (rises (x i) (fun r => f i r + g i r * u i r)); [lra|intro; auto|]. intros r Hr'.
-        assert (I := In r ltac:(lra)). destruct (ode r ltac:(lra) I i Hi) as (De & Fb & Gb).
+    - destruct (last_time_at_least (fun t => x i t - L i t) 0 m rho) as (s & Hs & Fs & After); try lra.
+      { intro; apply continuity_pt_minus; [auto|eapply lipschitz_continuous; eauto]. }
+      assert (edge_speed i * (m - s) <= x i m - x i s).
+      { apply (rises_at_rate (x i) (fun r => f i r + g i r * law_input i r)); [lra|intro; auto|]. intros r Hr'.
+        assert (I := In r ltac:(lra)). destruct (plant_equation r ltac:(lra) I i Hi) as (De & Fb & Gb).
         split; [exact De|]. specialize (I i Hi). assert (Aft := After r ltac:(lra)); cbn in Aft.
-        assert (W := wide i r Hi ltac:(lra)).
-        assert (P : F i + v i <= g i r * u i r).
-        { apply push with rho (d i); auto; try lra.
-          - pose proof (g_pos i Hi); lra.
-          - apply Rle_trans with (gmin i * k i); [exact Ag|]. apply Rmult_le_compat_r; [left; auto|exact Gb]. }
+        assert (W := wide_enough i r Hi ltac:(lra)).
+        assert (P : force_max i + edge_speed i <= g i r * law_input i r).
+        { apply law_outweighs_bounds_near_edge with rho (width_min i); auto; try lra.
+          - pose proof (g_min_pos i Hi); lra.
+          - apply Rle_trans with (g_min i * gain i); [exact Ag|]. apply Rmult_le_compat_r; [left; auto|exact Gb]. }
         apply Rabs_le_between in Fb. lra. }
-      assert (Lp := L_lip i Hi s m). rewrite (Rabs_pos_eq (m - s)) in Lp by lra. apply Rabs_le_between in Lp. lra.
-    - destruct (last_time (fun t => U i t - x i t) 0 m rho) as (s & Hs & Fs & After); try lra.
-      { intro; apply continuity_pt_minus; [eapply lipschitz_cont; eauto|auto]. }
-      assert (v i * (m - s) <= - x i m - - x i s).
-      { apply (rises (fun t => - x i t) (fun r => - (f i r + g i r * u i r))); [lra|intro; apply continuity_pt_opp; auto|].
+      assert (Lp := L_lipschitz i Hi s m). rewrite (Rabs_pos_eq (m - s)) in Lp by lra. apply Rabs_le_between in Lp. lra.
+    - destruct (last_time_at_least (fun t => U i t - x i t) 0 m rho) as (s & Hs & Fs & After); try lra.
+      { intro; apply continuity_pt_minus; [eapply lipschitz_continuous; eauto|auto]. }
+      assert (edge_speed i * (m - s) <= - x i m - - x i s).
+      { apply (rises_at_rate (fun t => - x i t) (fun r => - (f i r + g i r * law_input i r))); [lra|intro; apply continuity_pt_opp; auto|].
         intros r Hr'.
-        assert (I := In r ltac:(lra)). destruct (ode r ltac:(lra) I i Hi) as (De & Fb & Gb).
+        assert (I := In r ltac:(lra)). destruct (plant_equation r ltac:(lra) I i Hi) as (De & Fb & Gb).
         split; [exact (is_derive_opp _ _ _ De)|]. specialize (I i Hi). assert (Aft := After r ltac:(lra)); cbn in Aft.
-        assert (W := wide i r Hi ltac:(lra)).
-        assert (P : F i + v i <= g i r * law (k i) (U i r - x i r) (x i r - L i r)).
-        { apply push with rho (d i); auto; try lra.
-          - pose proof (g_pos i Hi); lra.
-          - apply Rle_trans with (gmin i * k i); [exact Ag|]. apply Rmult_le_compat_r; [left; auto|exact Gb]. }
-        rewrite law_opp in P by lra. fold (u i r) in P.
+        assert (W := wide_enough i r Hi ltac:(lra)).
+        assert (P : force_max i + edge_speed i <= g i r * law (gain i) (U i r - x i r) (x i r - L i r)).
+        { apply law_outweighs_bounds_near_edge with rho (width_min i); auto; try lra.
+          - pose proof (g_min_pos i Hi); lra.
+          - apply Rle_trans with (g_min i * gain i); [exact Ag|]. apply Rmult_le_compat_r; [left; auto|exact Gb]. }
+        rewrite law_odd in P by lra. fold (law_input i r) in P.
         apply Rabs_le_between in Fb. lra. }
-      assert (Lp := U_lip i Hi s m). rewrite (Rabs_pos_eq (m - s)) in Lp by lra. apply Rabs_le_between in Lp. lra.
+      assert (Lp := U_lipschitz i Hi s m). rewrite (Rabs_pos_eq (m - s)) in Lp by lra. apply Rabs_le_between in Lp. lra.
   Qed.
 
-  Corollary stays_inside : forall t, 0 <= t <= T -> inside t.
-  Proof. destruct stays as (rho & Hr & H); intros t Ht i Hi; destruct (H t Ht i Hi); lra. Qed.
+  Corollary stays_inside : forall t, 0 <= t <= t_c -> inside t.
+  Proof. destruct keeps_safe_distance as (rho & Hr & H); intros t Ht i Hi; destruct (H t Ht i Hi); lra. Qed.
 End Loop.
 

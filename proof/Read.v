@@ -8,10 +8,10 @@ Open Scope string_scope.
 
 (* ------------------------------------------------------------------ tokens *)
 
-Definition within (low high c : N) : bool := if (low <=? c)%N then (c <=? high)%N else false.
-Definition is_digit (c : ascii) : bool := within 48 57 (N_of_ascii c).
-Definition is_upper (c : ascii) : bool := within 65 90 (N_of_ascii c).
-Definition is_lower (c : ascii) : bool := within 97 122 (N_of_ascii c).
+Definition code_between (low high c : N) : bool := if (low <=? c)%N then (c <=? high)%N else false.
+Definition is_digit (c : ascii) : bool := code_between 48 57 (N_of_ascii c).
+Definition is_upper (c : ascii) : bool := code_between 65 90 (N_of_ascii c).
+Definition is_lower (c : ascii) : bool := code_between 97 122 (N_of_ascii c).
 Definition is_letter (c : ascii) : bool := is_upper c || is_lower c || (N_of_ascii c =? 95)%N.
 Definition is_blank (c : ascii) : bool := let n := N_of_ascii c in (n =? 32)%N || (n =? 10)%N.
 Definition is_newline (c : ascii) : bool := (N_of_ascii c =? 10)%N.
@@ -19,13 +19,13 @@ Definition is_newline (c : ascii) : bool := (N_of_ascii c =? 10)%N.
 (* What C reads before tokens is not in the text: a line that goes on, a trigraph, a comment to the end of its line, one that its own
    star would close. A directive begins its line. And no two signs with blanks between them that C has as one
    without, and no comment after one of these: each is a token here. *)
-Fixpoint joins (c : ascii) (s : string) : bool :=
+Fixpoint joins_after_blanks (c : ascii) (s : string) : bool :=
   match s with
-  | String d r => if is_blank d then joins c r else if Ascii.eqb d "/" then true else
+  | String d r => if is_blank d then joins_after_blanks c r else if Ascii.eqb d "/" then true else
       if existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"]%char then Ascii.eqb c d else Ascii.eqb d "=" || Ascii.eqb c ">" && Ascii.eqb d ">"
   | EmptyString => false
   end.
-Fixpoint plain (s : string) : bool :=
+Fixpoint has_plain_tokens (s : string) : bool :=
   match s with
   | EmptyString => true
   | String c r =>
@@ -36,7 +36,7 @@ Fixpoint plain (s : string) : bool :=
           if Ascii.eqb c "?" && Ascii.eqb d "?" then false else
           if Ascii.eqb c "/" && Ascii.eqb d "/" then false else
           if Ascii.eqb c "/" && Ascii.eqb d "*" && (match t with String e _ => Ascii.eqb e "/" | _ => false end) then false else
-          if (is_blank d || Ascii.eqb d "/") && existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"; "<"; ">"; "="; "!"]%char && joins c r then false else plain r
+          if (is_blank d || Ascii.eqb d "/") && existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"; "<"; ">"; "="; "!"]%char && joins_after_blanks c r then false else has_plain_tokens r
       | EmptyString => true
       end
   end.
@@ -44,66 +44,66 @@ Fixpoint plain (s : string) : bool :=
 Inductive token := Word (w : string) | Number (w : string) | Sign (c : ascii) | Line (w : string).
 
 (* what is being read; a word is kept back to front *)
-Inductive state := Between | InWord (w : string) | InNumber (w : string) | InComment (star : bool) | InLine (w : string) | Slash.
+Inductive reader_state := Between | InWord (w : string) | InNumber (w : string) | InComment (star : bool) | InLine (w : string) | AfterSlash.
 
-Fixpoint reverse (s acc : string) : string := match s with EmptyString => acc | String c r => reverse r (String c acc) end.
+Fixpoint reverse_onto (s acc : string) : string := match s with EmptyString => acc | String c r => reverse_onto r (String c acc) end.
 Definition ends_in_e (w : string) : bool := match w with String c _ => Ascii.eqb c "e" | _ => false end.
-Definition finish (st : state) (l : list token) : option (list token) :=
+Definition close_token (st : reader_state) (l : list token) : option (list token) :=
   match st with
   | Between => Some l
-  | InWord w => Some (Word (reverse w "") :: l)
-  | InNumber w => Some (Number (reverse w "") :: l)
-  | InLine w => Some (Line (reverse w "") :: l)
-  | InComment _ | Slash => None
+  | InWord w => Some (Word (reverse_onto w "") :: l)
+  | InNumber w => Some (Number (reverse_onto w "") :: l)
+  | InLine w => Some (Line (reverse_onto w "") :: l)
+  | InComment _ | AfterSlash => None
   end.
 
 (* a directive is its whole line; a comment is left out, but not inside a directive *)
-Definition begin (c : ascii) : option (state * list token) :=
+Definition begin_token (c : ascii) : option (reader_state * list token) :=
   if is_blank c then Some (Between, [])
   else if is_letter c then Some (InWord (String c ""), [])
   else if is_digit c then Some (InNumber (String c ""), [])
-  else if Ascii.eqb c "/" then Some (Slash, [])
+  else if Ascii.eqb c "/" then Some (AfterSlash, [])
   else if Ascii.eqb c "#" then Some (InLine "#", [])
-  else if within 33 126 (N_of_ascii c) then Some (Between, [Sign c])
+  else if code_between 33 126 (N_of_ascii c) then Some (Between, [Sign c])
   else None.
 
-Fixpoint tokens (s : string) (st : state) (acc : list token) : option (list token) :=
+Fixpoint tokenize (s : string) (st : reader_state) (acc : list token) : option (list token) :=
   match s with
-  | EmptyString => match finish st acc with Some l => Some (rev' l) | None => None end
+  | EmptyString => match close_token st acc with Some l => Some (rev' l) | None => None end
   | String c r =>
-      let fresh acc := match begin c with Some (st, new) => tokens r st (app new acc) | None => None end in
+      let fresh acc := match begin_token c with Some (st, new) => tokenize r st (app new acc) | None => None end in
       match st with
       | InComment star =>
-          if star then (if Ascii.eqb c "/" then tokens r Between acc else tokens r (InComment (Ascii.eqb c "*")) acc)
-          else tokens r (InComment (Ascii.eqb c "*")) acc
-      | Slash => if Ascii.eqb c "*" then tokens r (InComment false) acc
-                 else match begin c with Some (st, new) => tokens r st (app new (Sign "/" :: acc)) | None => None end
-      | InLine w => if is_newline c then tokens r Between (Line (reverse w "") :: acc) else tokens r (InLine (String c w)) acc
-      | InWord w => if is_letter c || is_digit c then tokens r (InWord (String c w)) acc else fresh (Word (reverse w "") :: acc)
+          if star then (if Ascii.eqb c "/" then tokenize r Between acc else tokenize r (InComment (Ascii.eqb c "*")) acc)
+          else tokenize r (InComment (Ascii.eqb c "*")) acc
+      | AfterSlash => if Ascii.eqb c "*" then tokenize r (InComment false) acc
+                 else match begin_token c with Some (st, new) => tokenize r st (app new (Sign "/" :: acc)) | None => None end
+      | InLine w => if is_newline c then tokenize r Between (Line (reverse_onto w "") :: acc) else tokenize r (InLine (String c w)) acc
+      | InWord w => if is_letter c || is_digit c then tokenize r (InWord (String c w)) acc else fresh (Word (reverse_onto w "") :: acc)
       | InNumber w => if is_letter c || is_digit c || Ascii.eqb c "." || (ends_in_e w && Ascii.eqb c "-")
-                      then tokens r (InNumber (String c w)) acc else fresh (Number (reverse w "") :: acc)
+                      then tokenize r (InNumber (String c w)) acc else fresh (Number (reverse_onto w "") :: acc)
       | Between => fresh acc
       end
   end.
 
 (* names that begin with the task's get an @ in its place: no name of the text has one; in capitals all of it is, else it begins small *)
-Definition upper (c : ascii) : ascii := if is_lower c then ascii_of_N (N_of_ascii c - 32) else c.
+Definition to_upper (c : ascii) : ascii := if is_lower c then ascii_of_N (N_of_ascii c - 32) else c.
 Fixpoint map_string (f : ascii -> ascii) (s : string) : string := match s with EmptyString => "" | String c r => String (f c) (map_string f r) end.
-Fixpoint without (prefix s : string) : option string :=
+Fixpoint strip_prefix (prefix s : string) : option string :=
   match prefix, s with
   | EmptyString, _ => Some s
-  | String p ps, String c r => if Ascii.eqb p c then without ps r else None
+  | String p ps, String c r => if Ascii.eqb p c then strip_prefix ps r else None
   | _, EmptyString => None
   end.
-Fixpoint each (p : ascii -> bool) (s : string) : bool := match s with EmptyString => true | String c r => if p c then each p r else false end.
-Definition begins_small (s : string) : bool := match s with String c _ => negb (is_upper c) | EmptyString => false end.
-Definition local (task : string) : token -> token :=
-  let small := task ++ "_" in let big := map_string upper small in
+Fixpoint all_characters (p : ascii -> bool) (s : string) : bool := match s with EmptyString => true | String c r => if p c then all_characters p r else false end.
+Definition begins_without_capital (s : string) : bool := match s with String c _ => negb (is_upper c) | EmptyString => false end.
+Definition mark_task_name (task : string) : token -> token :=
+  let small := task ++ "_" in let big := map_string to_upper small in
   fun t => match t with
   | Word w =>
-      match without small w with
-      | Some r => if begins_small r then Word ("@" ++ r) else t
-      | None => match without big w with Some r => if each (fun c => negb (is_lower c)) r then Word ("@" ++ r) else t | None => t end
+      match strip_prefix small w with
+      | Some r => if begins_without_capital r then Word ("@" ++ r) else t
+      | None => match strip_prefix big w with Some r => if all_characters (fun c => negb (is_lower c)) r then Word ("@" ++ r) else t | None => t end
       end
   | _ => t
   end.
@@ -113,246 +113,246 @@ Definition local (task : string) : token -> token :=
 Notation "'let*' x ':=' e 'in' f" := (match e with Some x => f | None => None end) (at level 200, x pattern, right associativity).
 Notation "e 'or' f" := (match e with Some y => Some y | None => f end) (at level 60, right associativity).
 
-Definition eat_sign (c : ascii) (l : list token) : option (list token) :=
+Definition expect_sign (c : ascii) (l : list token) : option (list token) :=
   match l with Sign d :: r => if Ascii.eqb c d then Some r else None | _ => None end.
-Definition eat_word (w : string) (l : list token) : option (list token) :=
+Definition expect_word (w : string) (l : list token) : option (list token) :=
   match l with Word v :: r => if String.eqb w v then Some r else None | _ => None end.
-Fixpoint eat_signs (s : string) (l : list token) : option (list token) :=
-  match s with EmptyString => Some l | String c s => let* l := eat_sign c l in eat_signs s l end.
+Fixpoint expect_signs (s : string) (l : list token) : option (list token) :=
+  match s with EmptyString => Some l | String c s => let* l := expect_sign c l in expect_signs s l end.
 
 Definition keywords : list string :=
   ["const"; "static"; "inline"; "void"; "bool"; "int32_t"; "uint32_t"; "if"; "else"; "for"; "while"; "do"; "return"; "true"; "false"; "isfinite"; "NAN"; "@real"; "@status";
    "@OK"; "@OUTSIDE_TUBE"; "@BAD_INPUT"; "@N"].
-Definition name (l : list token) : option (string * list token) :=
+Definition read_name (l : list token) : option (string * list token) :=
   match l with Word w :: r => if existsb (String.eqb w) keywords then None else Some (w, r) | _ => None end.
 
-Fixpoint number (s : string) (v count : Z) : Z * Z * string :=
+Fixpoint read_digits (s : string) (v count : Z) : Z * Z * string :=
   match s with
-  | String c r => if is_digit c then number r (10 * v + Z.of_N (N_of_ascii c - 48)) (count + 1) else (v, count, s)
+  | String c r => if is_digit c then read_digits r (10 * v + Z.of_N (N_of_ascii c - 48)) (count + 1) else (v, count, s)
   | EmptyString => (v, count, s)
   end.
 (* no octal *)
-Definition integer (w : string) : option Z :=
-  match number w 0 0 with
+Definition read_integer (w : string) : option Z :=
+  match read_digits w 0 0 with
   | (v, n, EmptyString) => match w with String "0" _ => if (n =? 1)%Z then Some 0%Z else None | _ => if (n =? 0)%Z then None else Some v end
   | _ => None
   end.
 
 (* with a U: an unsigned one *)
-Definition unsigned (w : string) : option Z :=
-  match number w 0 0 with
+Definition read_unsigned (w : string) : option Z :=
+  match read_digits w 0 0 with
   | (v, n, String "U" EmptyString) => match w with String "0" _ => None | _ => if (n =? 0)%Z then None else Some v end
   | _ => None
   end.
 
 (* What says how a real number lies in memory is in these words and no others: that its type has so many bits, and of y = m 2^e, by its bits, e and m. *)
-Definition same (s t : token) : bool :=
+Definition same_token (s t : token) : bool :=
   match s, t with Word v, Word w | Number v, Number w => String.eqb v w | Sign c, Sign d => Ascii.eqb c d | _, _ => false end.
-Fixpoint eat_tokens (ts l : list token) : option (list token) :=
+Fixpoint expect_tokens (ts l : list token) : option (list token) :=
   match ts, l with
   | [], _ => Some l
-  | t :: ts, s :: r => if same t s then eat_tokens ts r else None
+  | t :: ts, s :: r => if same_token t s then expect_tokens ts r else None
   | _, [] => None
   end.
-Definition tokens_of (s : string) : list token := match tokens s Between [] with Some l => map (local "p") l | None => [] end.
-Definition size_text (bytes : string) : string := "typedef char p_real_size[(sizeof(p_real) == " ++ bytes ++ ") ? 1 : -1];".
-Definition exponent_text (word cut shift : string) : string :=
+Definition tokens_of_helper (s : string) : list token := match tokenize s Between [] with Some l => map (mark_task_name "p") l | None => [] end.
+Definition size_check_text (bytes : string) : string := "typedef char p_real_size[(sizeof(p_real) == " ++ bytes ++ ") ? 1 : -1];".
+Definition exponent_helper_text (word cut shift : string) : string :=
   "static inline int32_t p_exponent(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); return (int32_t)((bits - " ++ cut ++ ") >> " ++ shift ++ "); }".
-Definition mantissa_text (word cut mask : string) : string :=
+Definition mantissa_helper_text (word cut mask : string) : string :=
   "static inline p_real p_mantissa(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); bits = ((bits - " ++ cut ++ ") & " ++ mask ++ ") + " ++ cut ++ ";" ++
   " p_real m; (void)memcpy(&m, &bits, sizeof m); return m; }".
-Record memory := Memory { size_words : list token; exponent_words : list token; mantissa_words : list token }.
-Definition memory_of (single : bool) : memory :=
+Record memory_layout := MemoryLayout { size_check_tokens : list token; exponent_helper_tokens : list token; mantissa_helper_tokens : list token }.
+Definition memory_layout_of (single : bool) : memory_layout :=
   if single
-  then Memory (tokens_of (size_text "4U")) (tokens_of (exponent_text "uint32_t" "0x3f3504f3U" "23")) (tokens_of (mantissa_text "uint32_t" "0x3f3504f3U" "0x7fffffU"))
-  else Memory (tokens_of (size_text "8U")) (tokens_of (exponent_text "uint64_t" "0x3fe6a09e667f3bcdU" "52"))
-         (tokens_of (mantissa_text "uint64_t" "0x3fe6a09e667f3bcdU" "0xfffffffffffffU")).
+  then MemoryLayout (tokens_of_helper (size_check_text "4U")) (tokens_of_helper (exponent_helper_text "uint32_t" "0x3f3504f3U" "23")) (tokens_of_helper (mantissa_helper_text "uint32_t" "0x3f3504f3U" "0x7fffffU"))
+  else MemoryLayout (tokens_of_helper (size_check_text "8U")) (tokens_of_helper (exponent_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "52"))
+         (tokens_of_helper (mantissa_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "0xfffffffffffffU")).
 
 Section Parse.
   Variable suffix : string. (* of a number in the program's own precision: "F" or "" *)
 
   (* digits . digits [e [-] digits] suffix *)
-  Definition real (w : string) : option (Z * Z) :=
-    match number w 0 0 with
+  Definition read_real (w : string) : option (Z * Z) :=
+    match read_digits w 0 0 with
     | (v, a, String "." r) =>
-        let '(v, b, r) := number r v 0 in
+        let '(v, b, r) := read_digits r v 0 in
         if (a =? 0)%Z then None else if (b =? 0)%Z then None
         else if String.eqb r suffix then Some (v, - b)%Z
         else match r with
-             | String "e" (String "-" r) => let '(x, c, r) := number r 0 0 in if (c =? 0)%Z then None else if String.eqb r suffix then Some (v, - b - x)%Z else None
-             | String "e" r => let '(x, c, r) := number r 0 0 in if (c =? 0)%Z then None else if String.eqb r suffix then Some (v, - b + x)%Z else None
+             | String "e" (String "-" r) => let '(x, c, r) := read_digits r 0 0 in if (c =? 0)%Z then None else if String.eqb r suffix then Some (v, - b - x)%Z else None
+             | String "e" r => let '(x, c, r) := read_digits r 0 0 in if (c =? 0)%Z then None else if String.eqb r suffix then Some (v, - b + x)%Z else None
              | _ => None
              end
     | _ => None
     end.
-  Definition decimal_ (l : list token) : option (decimal * list token) :=
+  Definition read_decimal (l : list token) : option (decimal * list token) :=
     match l with
-    | Number w :: r => let* (d, e) := real w in Some (Decimal false d e, r)
-    | Sign "-" :: Number w :: r => let* (d, e) := real w in Some (Decimal true d e, r)
+    | Number w :: r => let* (d, e) := read_real w in Some (Decimal false d e, r)
+    | Sign "-" :: Number w :: r => let* (d, e) := read_real w in Some (Decimal true d e, r)
     | _ => None
     end.
 
-  Definition constants : list (string * atom) :=
-    [("true", Truth true); ("false", Truth false); ("@OK", Int 0); ("@OUTSIDE_TUBE", Int 1); ("@BAD_INPUT", Int 2)].
-  Definition find {A} (x : string) (l : list (string * A)) : option A :=
+  Definition named_constants : list (string * operand) :=
+    [("true", BoolLiteral true); ("false", BoolLiteral false); ("@OK", IntLiteral 0); ("@OUTSIDE_TUBE", IntLiteral 1); ("@BAD_INPUT", IntLiteral 2)].
+  Definition lookup {A} (x : string) (l : list (string * A)) : option A :=
     (fix go l := match l with [] => None | (y, a) :: r => if String.eqb x y then Some a else go r end) l.
 
-  Definition type_ (l : list token) : option (type * list token) :=
-    match l with Word w :: r => let* t := find w [("@real", TReal); ("int32_t", TInt); ("bool", TBool); ("uint32_t", TUnsigned)] in Some (t, r) | _ => None end.
+  Definition read_type (l : list token) : option (c_type * list token) :=
+    match l with Word w :: r => let* t := lookup w [("@real", TReal); ("int32_t", TInt); ("bool", TBool); ("uint32_t", TUnsigned)] in Some (t, r) | _ => None end.
 
-  Definition atom_ (l : list token) : option (atom * list token) :=
+  Definition read_operand (l : list token) : option (operand * list token) :=
     match l with
-    | Word w :: r => (let* a := find w constants in Some (a, r)) or (let* (x, r) := name l in Some (Name x, r))
-    | Number w :: r => (let* (d, e) := real w in Some (Real (Decimal false d e), r)) or (let* z := integer w in Some (Int z, r)) or (let* z := unsigned w in Some (Unsigned z, r))
-    | Sign "(" :: Sign "-" :: r => let* (v, r) := decimal_ (Sign "-" :: r) in let* r := eat_sign ")" r in Some (Real v, r)
-    | Sign "(" :: r => let* r := eat_word "@real" r in let* r := eat_sign ")" r in let* r := eat_word "NAN" r in Some (NotANumber, r)
+    | Word w :: r => (let* a := lookup w named_constants in Some (a, r)) or (let* (x, r) := read_name l in Some (Var x, r))
+    | Number w :: r => (let* (d, e) := read_real w in Some (RealLiteral (Decimal false d e), r)) or (let* z := read_integer w in Some (IntLiteral z, r)) or (let* z := read_unsigned w in Some (UnsignedLiteral z, r))
+    | Sign "(" :: Sign "-" :: r => let* (v, r) := read_decimal (Sign "-" :: r) in let* r := expect_sign ")" r in Some (RealLiteral v, r)
+    | Sign "(" :: r => let* r := expect_word "@real" r in let* r := expect_sign ")" r in let* r := expect_word "NAN" r in Some (NotANumber, r)
     | _ => None
     end.
 
-  Definition operator_ (l : list token) : option (operator * list token) :=
+  Definition read_operator (l : list token) : option (operator * list token) :=
     match l with
     | Sign c :: r =>
         if Ascii.eqb c "+" then Some (Plus, r) else if Ascii.eqb c "-" then Some (Minus, r)
-        else if Ascii.eqb c "*" then Some (Times, r) else if Ascii.eqb c "/" then Some (Over, r)
-        else if Ascii.eqb c "<" then (let* r := eat_sign "=" r in Some (AtMost, r)) or Some (Less, r)
-        else if Ascii.eqb c "&" then let* r := eat_sign "&" r in Some (And, r) else None
+        else if Ascii.eqb c "*" then Some (Times, r) else if Ascii.eqb c "/" then Some (Divide, r)
+        else if Ascii.eqb c "<" then (let* r := expect_sign "=" r in Some (AtMost, r)) or Some (Less, r)
+        else if Ascii.eqb c "&" then let* r := expect_sign "&" r in Some (And, r) else None
     | _ => None
     end.
 
   (* a, b, ..) after the opening bracket; results are written &x and come last *)
-  Fixpoint arguments (fuel : nat) (l : list token) : option (list atom * list string * list token) :=
+  Fixpoint read_arguments (fuel : nat) (l : list token) : option (list operand * list string * list token) :=
     match fuel with
     | O => None
     | S f =>
         let go a out r :=
-          (let* r := eat_sign ")" r in Some (a, out, r)) or
-          (let* r := eat_sign "," r in let* (more, outs, r) := arguments f r in
+          (let* r := expect_sign ")" r in Some (a, out, r)) or
+          (let* r := expect_sign "," r in let* (more, outs, r) := read_arguments f r in
            match out, more with [], _ => Some (app a more, outs, r) | _, [] => Some ([], app out outs, r) | _, _ => None end) in
-        (let* r := eat_sign "&" l in let* (x, r) := name r in go [] [x] r) or
-        (let* (a, r) := atom_ l in go [a] [] r)
+        (let* r := expect_sign "&" l in let* (x, r) := read_name r in go [] [x] r) or
+        (let* (a, r) := read_operand l in go [a] [] r)
     end.
 
   (* every expression ends with a semicolon *)
-  Definition expression_ (l : list token) : option (expression * list token) :=
-    (let* (a, r) := atom_ l in
-       (let* r := eat_sign ";" r in Some (Atom a, r)) or
-       (let* (o, r) := operator_ r in let* (b, r) := atom_ r in let* r := eat_sign ";" r in Some (Binary o a b, r)) or
-       (let* r := eat_sign "?" r in let* (b, r) := atom_ r in let* r := eat_sign ":" r in let* (c, r) := atom_ r in let* r := eat_sign ";" r in Some (Select a b c, r))) or
-    (let* r := eat_sign "-" l in let* (x, r) := name r in let* r := eat_sign ";" r in Some (Negate (Name x), r)) or
-    (let* r := eat_sign "!" l in let* (x, r) := name r in let* r := eat_sign ";" r in Some (Not (Name x), r)) or
-    (let* r := eat_sign "(" l in let* (t, r) := type_ r in let* r := eat_sign ")" r in let* (x, r) := name r in let* r := eat_sign ";" r in Some (Cast t (Name x), r)) or
-    (let* (x, r) := name l in
-       (let* r := eat_sign "[" r in let* (i, r) := name r in let* r := eat_signs "];" r in Some (Load x (Name i), r)) or
-       (let* r := eat_sign "(" r in let* (a, o, r) := arguments 20 r in match o with [] => let* r := eat_sign ";" r in Some (Apply x a, r) | _ => None end)) or
-    (let* r := eat_word "isfinite" l in let* r := eat_sign "(" r in let* (x, r) := name r in let* r := eat_signs ")!=" r in
-       match r with Number "0" :: r => let* r := eat_sign ";" r in Some (Finite (Name x), r) | _ => None end).
+  Definition read_expression (l : list token) : option (expression * list token) :=
+    (let* (a, r) := read_operand l in
+       (let* r := expect_sign ";" r in Some (Operand a, r)) or
+       (let* (o, r) := read_operator r in let* (b, r) := read_operand r in let* r := expect_sign ";" r in Some (Binary o a b, r)) or
+       (let* r := expect_sign "?" r in let* (b, r) := read_operand r in let* r := expect_sign ":" r in let* (c, r) := read_operand r in let* r := expect_sign ";" r in Some (Select a b c, r))) or
+    (let* r := expect_sign "-" l in let* (x, r) := read_name r in let* r := expect_sign ";" r in Some (Negate (Var x), r)) or
+    (let* r := expect_sign "!" l in let* (x, r) := read_name r in let* r := expect_sign ";" r in Some (Not (Var x), r)) or
+    (let* r := expect_sign "(" l in let* (t, r) := read_type r in let* r := expect_sign ")" r in let* (x, r) := read_name r in let* r := expect_sign ";" r in Some (Cast t (Var x), r)) or
+    (let* (x, r) := read_name l in
+       (let* r := expect_sign "[" r in let* (i, r) := read_name r in let* r := expect_signs "];" r in Some (Load x (Var i), r)) or
+       (let* r := expect_sign "(" r in let* (a, o, r) := read_arguments 20 r in match o with [] => let* r := expect_sign ";" r in Some (CallFunction x a, r) | _ => None end)) or
+    (let* r := expect_word "isfinite" l in let* r := expect_sign "(" r in let* (x, r) := read_name r in let* r := expect_signs ")!=" r in
+       match r with Number "0" :: r => let* r := expect_sign ";" r in Some (IsFinite (Var x), r) | _ => None end).
 
   (* ------------------------------------------------------------------ statements, functions, the file *)
 
-  Definition statement_ (block : list token -> option (list statement * list token)) (l : list token) : option (statement * list token) :=
-    (let* r := eat_word "const" l in let* (t, r) := type_ r in let* (x, r) := name r in let* r := eat_sign "=" r in
-       let* (e, r) := expression_ r in Some (Let t x e, r)) or
-    (let* (t, r) := type_ l in let* (x, r) := name r in
-       (let* r := eat_sign ";" r in Some (Declare t x, r)) or
-       (let* r := eat_sign "=" r in let* (e, r) := expression_ r in Some (Let t x e, r))) or
-    (let* r := eat_sign "*" l in let* (x, r) := name r in let* r := eat_sign "=" r in let* (e, r) := expression_ r in Some (Put x e, r)) or
-    (let* (x, r) := name l in
-       (let* r := eat_sign "=" r in let* (e, r) := expression_ r in Some (Set_ x e, r)) or
-       (let* r := eat_sign "[" r in let* (i, r) := name r in let* r := eat_signs "]=" r in
+  Definition read_statement (block : list token -> option (list statement * list token)) (l : list token) : option (statement * list token) :=
+    (let* r := expect_word "const" l in let* (t, r) := read_type r in let* (x, r) := read_name r in let* r := expect_sign "=" r in
+       let* (e, r) := read_expression r in Some (Let t x e, r)) or
+    (let* (t, r) := read_type l in let* (x, r) := read_name r in
+       (let* r := expect_sign ";" r in Some (Declare t x, r)) or
+       (let* r := expect_sign "=" r in let* (e, r) := read_expression r in Some (Let t x e, r))) or
+    (let* r := expect_sign "*" l in let* (x, r) := read_name r in let* r := expect_sign "=" r in let* (e, r) := read_expression r in Some (AssignResult x e, r)) or
+    (let* (x, r) := read_name l in
+       (let* r := expect_sign "=" r in let* (e, r) := read_expression r in Some (Assign x e, r)) or
+       (let* r := expect_sign "[" r in let* (i, r) := read_name r in let* r := expect_signs "]=" r in
           (* a lone NaN is cast, as it is in an expression *)
-          let* (e, r) := expression_ r in Some (Store x (Name i) e, r)) or
-       (let* r := eat_sign "(" r in let* (a, o, r) := arguments 20 r in let* r := eat_sign ";" r in Some (Call x a o, r))) or
-    (let* r := eat_word "for" l in let* r := eat_sign "(" r in let* r := eat_word "int32_t" r in let* (x, r) := name r in let* r := eat_sign "=" r in
+          let* (e, r) := read_expression r in Some (Store x (Var i) e, r)) or
+       (let* r := expect_sign "(" r in let* (a, o, r) := read_arguments 20 r in let* r := expect_sign ";" r in Some (CallKernel x a o, r))) or
+    (let* r := expect_word "for" l in let* r := expect_sign "(" r in let* r := expect_word "int32_t" r in let* (x, r) := read_name r in let* r := expect_sign "=" r in
        match r with
        | Number "0" :: r =>
-           let* r := eat_sign ";" r in let* r := eat_word x r in let* r := eat_sign "<" r in
+           let* r := expect_sign ";" r in let* r := expect_word x r in let* r := expect_sign "<" r in
            match r with
            | Number w :: r =>
-               let* n := integer w in let* r := eat_signs ";++" r in let* r := eat_word x r in let* r := eat_signs "){" r in
+               let* n := read_integer w in let* r := expect_signs ";++" r in let* r := expect_word x r in let* r := expect_signs "){" r in
                let* (body, r) := block r in Some (For x n body, r)
            | _ => None
            end
        | _ => None
        end) or
-    (let* r := eat_word "if" l in let* r := eat_sign "(" r in let* (x, r) := name r in let* r := eat_signs "){" r in
-       let* (body, r) := block r in Some (When (Name x) body, r)) or
-    (let* r := eat_word "return" l in
-       (let* r := eat_sign ";" r in Some (Return None, r)) or (let* (e, r) := expression_ r in Some (Return (Some e), r))).
+    (let* r := expect_word "if" l in let* r := expect_sign "(" r in let* (x, r) := read_name r in let* r := expect_signs "){" r in
+       let* (body, r) := block r in Some (IfTrue (Var x) body, r)) or
+    (let* r := expect_word "return" l in
+       (let* r := expect_sign ";" r in Some (Return None, r)) or (let* (e, r) := read_expression r in Some (Return (Some e), r))).
 
   (* statements up to the closing brace; the fuel is the number of tokens, and every statement has some *)
-  Fixpoint block (fuel : nat) (l : list token) : option (list statement * list token) :=
+  Fixpoint read_block (fuel : nat) (l : list token) : option (list statement * list token) :=
     match fuel with
     | O => None
-    | S f => (let* r := eat_sign "}" l in Some ([], r)) or
-             (let* (s, r) := statement_ (block f) l in let* (ss, r) := block f r in Some (s :: ss, r))
+    | S f => (let* r := expect_sign "}" l in Some ([], r)) or
+             (let* (s, r) := read_statement (read_block f) l in let* (ss, r) := read_block f r in Some (s :: ss, r))
     end.
 
-  Definition parameter_ (l : list token) : option (parameter * list token) :=
-    let array r := let* r := eat_sign "[" r in let* r := eat_word "@N" r in eat_sign "]" r in
-    (let* r := eat_word "const" l in let* r := eat_word "@real" r in let* (x, r) := name r in let* r := array r in Some (ArrayIn x, r)) or
-    (let* (t, r) := type_ l in
-       (let* r := eat_sign "*" r in let* (x, r) := name r in Some (ByPointer t x, r)) or
-       (let* (x, r) := name r in
+  Definition read_parameter (l : list token) : option (parameter * list token) :=
+    let array r := let* r := expect_sign "[" r in let* r := expect_word "@N" r in expect_sign "]" r in
+    (let* r := expect_word "const" l in let* r := expect_word "@real" r in let* (x, r) := read_name r in let* r := array r in Some (ArrayIn x, r)) or
+    (let* (t, r) := read_type l in
+       (let* r := expect_sign "*" r in let* (x, r) := read_name r in Some (ByPointer t x, r)) or
+       (let* (x, r) := read_name r in
           (let* r := array r in match t with TReal => Some (ArrayOut x, r) | _ => None end) or Some (ByValue t x, r))).
-  Fixpoint parameters_ (fuel : nat) (l : list token) : option (list parameter * list token) :=
+  Fixpoint read_parameters (fuel : nat) (l : list token) : option (list parameter * list token) :=
     match fuel with
     | O => None
-    | S f => let* (p, r) := parameter_ l in
-             (let* r := eat_sign ")" r in Some ([p], r)) or
-             (let* r := eat_sign "," r in let* (ps, r) := parameters_ f r in Some (p :: ps, r))
+    | S f => let* (p, r) := read_parameter l in
+             (let* r := expect_sign ")" r in Some ([p], r)) or
+             (let* r := expect_sign "," r in let* (ps, r) := read_parameters f r in Some (p :: ps, r))
     end.
 
-  Variable bits : memory. (* what numbers of the program's own precision have there *)
-  Definition helper_ (l : list token) : option (function * list token) :=
-    (let* r := eat_tokens (exponent_words bits) l in Some (Function "@exponent" "int32_t" [ByValue TReal "y"] [Return (Some (ExponentOf (Name "y")))], r)) or
-    (let* r := eat_tokens (mantissa_words bits) l in Some (Function "@mantissa" "@real" [ByValue TReal "y"] [Return (Some (MantissaOf (Name "y")))], r)).
-  Definition function_ (fuel : nat) (l : list token) : option (function * list token) :=
-    (helper_ l) or
-    let r := match (let* r := eat_word "static" l in eat_word "inline" r) with Some r => r | None => l end in
+  Variable layout : memory_layout. (* what numbers of the program's own precision have there *)
+  Definition read_bit_helper (l : list token) : option (function * list token) :=
+    (let* r := expect_tokens (exponent_helper_tokens layout) l in Some (Function "@exponent" "int32_t" [ByValue TReal "y"] [Return (Some (ExponentOf (Var "y")))], r)) or
+    (let* r := expect_tokens (mantissa_helper_tokens layout) l in Some (Function "@mantissa" "@real" [ByValue TReal "y"] [Return (Some (MantissaOf (Var "y")))], r)).
+  Definition read_function (fuel : nat) (l : list token) : option (function * list token) :=
+    (read_bit_helper l) or
+    let r := match (let* r := expect_word "static" l in expect_word "inline" r) with Some r => r | None => l end in
     match r with
     | Word t :: r =>
         if existsb (String.eqb t) ["void"; "@real"; "@status"; "bool"] then
-          let* (x, r) := name r in let* r := eat_sign "(" r in let* (ps, r) := parameters_ 20 r in let* r := eat_sign "{" r in
-          let* (body, r) := block fuel r in Some (Function x t ps body, r)
+          let* (x, r) := read_name r in let* r := expect_sign "(" r in let* (ps, r) := read_parameters 20 r in let* r := expect_sign "{" r in
+          let* (body, r) := read_block fuel r in Some (Function x t ps body, r)
         else None
     | _ => None
     end.
 
-  Fixpoint decimals (fuel : nat) (l : list token) : option (list decimal * list token) :=
+  Fixpoint read_decimals (fuel : nat) (l : list token) : option (list decimal * list token) :=
     match fuel with
     | O => None
-    | S f => let* (v, r) := decimal_ l in
-             (let* r := eat_signs "};" r in Some ([v], r)) or (let* r := eat_sign "," r in let* (vs, r) := decimals f r in Some (v :: vs, r))
+    | S f => let* (v, r) := read_decimal l in
+             (let* r := expect_signs "};" r in Some ([v], r)) or (let* r := expect_sign "," r in let* (vs, r) := read_decimals f r in Some (v :: vs, r))
     end.
   (* static const real x[count] = { .. }; *)
-  Definition table_ (fuel : nat) (l : list token) : option (string * list decimal * list token) :=
-    let* r := eat_word "static" l in let* r := eat_word "const" r in let* r := eat_word "@real" r in let* (x, r) := name r in let* r := eat_sign "[" r in
+  Definition read_table (fuel : nat) (l : list token) : option (string * list decimal * list token) :=
+    let* r := expect_word "static" l in let* r := expect_word "const" r in let* r := expect_word "@real" r in let* (x, r) := read_name r in let* r := expect_sign "[" r in
     match r with
     | Number w :: r =>
-        let* n := integer w in let* r := eat_signs "]={" r in let* (vs, r) := decimals fuel r in
+        let* n := read_integer w in let* r := expect_signs "]={" r in let* (vs, r) := read_decimals fuel r in
         if (Z.of_nat (List.length vs) =? n)%Z then Some (x, vs, r) else None
     | _ => None
     end.
 
   (* directives come first, and what is defined has the task's name before its own: it is no function of a library *)
-  Definition own (x : string) : bool := match x with String c _ => Ascii.eqb c "@" | EmptyString => false end.
-  Definition after (x : string) (s : source) (whole : source) : option source :=
-    match directives s with [] => if own x then Some whole else None | _ => None end.
-  Fixpoint file (fuel : nat) (l : list token) : option source :=
+  Definition has_task_mark (x : string) : bool := match x with String c _ => Ascii.eqb c "@" | EmptyString => false end.
+  Definition after_directives (x : string) (s : source) (whole : source) : option source :=
+    match directives s with [] => if has_task_mark x then Some whole else None | _ => None end.
+  Fixpoint read_file (fuel : nat) (l : list token) : option source :=
     match fuel, l with
     | O, _ => None
     | _, [] => Some (Source [] [] [])
-    | S f, Line w :: r => let* s := file f r in Some (Source (w :: directives s) (tables s) (functions s))
+    | S f, Line w :: r => let* s := read_file f r in Some (Source (w :: directives s) (tables s) (functions s))
     | S f, _ =>
-        (let* (x, vs, r) := table_ fuel l in let* s := file f r in after x s (Source [] ((x, vs) :: tables s) (functions s))) or
-        (let* r := eat_tokens (size_words bits) l in let* s := file f r in match directives s with [] => Some s | _ => None end) or
-        (let* (g, r) := function_ fuel l in let* s := file f r in after (title g) s (Source [] (tables s) (g :: functions s)))
+        (let* (x, vs, r) := read_table fuel l in let* s := read_file f r in after_directives x s (Source [] ((x, vs) :: tables s) (functions s))) or
+        (let* r := expect_tokens (size_check_tokens layout) l in let* s := read_file f r in match directives s with [] => Some s | _ => None end) or
+        (let* (g, r) := read_function fuel l in let* s := read_file f r in after_directives (function_name g) s (Source [] (tables s) (g :: functions s)))
     end.
 
-  Definition parse (task text : string) : option source :=
-    if negb (plain text) then None else
-    let* l := tokens text Between [] in
-    let l := map (local task) l in
-    file (S (List.length l)) l.
+  Definition parse_text (task text : string) : option source :=
+    if negb (has_plain_tokens text) then None else
+    let* l := tokenize text Between [] in
+    let l := map (mark_task_name task) l in
+    read_file (S (List.length l)) l.
 End Parse.
-Definition read (suffix task text : string) : option source := parse suffix (memory_of (String.eqb suffix "F")) task text.
+Definition read_source (suffix task text : string) : option source := parse_text suffix (memory_layout_of (String.eqb suffix "F")) task text.

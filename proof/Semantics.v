@@ -13,103 +13,103 @@ Section Semantics.
   Hypothesis prec_large : (24 <= prec)%Z.
   Hypothesis emax_large : (128 <= emax)%Z.
   Notation number := (binary_float prec emax).
-  Notation fexp := (FLT_exp (3 - emax - prec) prec).
+  Notation format_exponent := (FLT_exp (3 - emax - prec) prec).
 
-  Definition rnd : R -> R := round radix2 fexp ZnearestE.
+  Definition round_nearest : R -> R := round radix2 format_exponent ZnearestE.
   Definition unit_roundoff : R := bpow radix2 (- prec).
 
-  Global Instance fexp_valid : Valid_exp fexp. Proof. now apply FLT_exp_valid. Qed.
+  Global Instance format_exponent_valid : Valid_exp format_exponent. Proof. now apply FLT_exp_valid. Qed.
 
   (* ---------------------------------------------------------------- literals *)
 
-  Definition numerator (d : decimal) : positive := (Z.to_pos (digits d) * Z.to_pos (10 ^ Z.max 0 (exponent d)))%positive.
-  Definition denominator (d : decimal) : positive := Z.to_pos (10 ^ Z.max 0 (- exponent d)).
-  Definition decimal_value (d : decimal) : Q := if (digits d =? 0)%Z then 0%Q else (cond_Zopp (minus d) (Zpos (numerator d)) # denominator d)%Q.
+  Definition numerator (d : decimal) : positive := (Z.to_pos (digits d) * Z.to_pos (10 ^ Z.max 0 (decimal_exponent d)))%positive.
+  Definition denominator (d : decimal) : positive := Z.to_pos (10 ^ Z.max 0 (- decimal_exponent d)).
+  Definition decimal_value (d : decimal) : Q := if (digits d =? 0)%Z then 0%Q else (cond_Zopp (is_negative d) (Zpos (numerator d)) # denominator d)%Q.
 
   Definition decimal_float (d : decimal) : spec_float :=
-    if (digits d =? 0)%Z then S754_zero (minus d)
+    if (digits d =? 0)%Z then S754_zero (is_negative d)
     else let '(m, e, l) := SFdiv_core_binary prec emax (Zpos (numerator d)) 0 (Zpos (denominator d)) 0 in
-         binary_round_aux prec emax mode_NE (xorb (minus d) false) m e l.
+         binary_round_aux prec emax mode_NE (xorb (is_negative d) false) m e l.
 
   Lemma decimal_float_valid d : valid_binary prec emax (decimal_float d) = true.
   Proof.
     unfold decimal_float. destruct (digits d =? 0)%Z; [reflexivity|].
-    exact (proj1 (Bdiv_correct_aux prec emax _ _ mode_NE (minus d) (numerator d) 0 false (denominator d) 0)).
+    exact (proj1 (Bdiv_correct_aux prec emax _ _ mode_NE (is_negative d) (numerator d) 0 false (denominator d) 0)).
   Qed.
   Definition decimal_number (d : decimal) : number := SF2B (decimal_float d) (decimal_float_valid d).
 
   (* a literal is the value it shows, rounded *)
-  Lemma decimal_number_ok d : Rabs (rnd (Q2R (decimal_value d))) < bpow radix2 emax ->
-    B2R (decimal_number d) = rnd (Q2R (decimal_value d)) /\ is_finite (decimal_number d) = true.
+  Lemma decimal_number_rounds d : Rabs (round_nearest (Q2R (decimal_value d))) < bpow radix2 emax ->
+    B2R (decimal_number d) = round_nearest (Q2R (decimal_value d)) /\ is_finite (decimal_number d) = true.
   Proof.
     unfold decimal_number. rewrite B2R_SF2B, is_finite_SF2B. unfold decimal_float, decimal_value.
     destruct (digits d =? 0)%Z.
-    - intros _. cbn. split; [|reflexivity]. unfold Q2R; cbn. rewrite Rmult_0_l. unfold rnd. now rewrite round_0 by apply valid_rnd_N.
-    - assert (H := Bdiv_correct_aux prec emax _ _ mode_NE (minus d) (numerator d) 0 false (denominator d) 0). cbv zeta in H.
+    - intros _. cbn. split; [|reflexivity]. unfold Q2R; cbn. rewrite Rmult_0_l. unfold round_nearest. now rewrite round_0 by apply valid_rnd_N.
+    - assert (H := Bdiv_correct_aux prec emax _ _ mode_NE (is_negative d) (numerator d) 0 false (denominator d) 0). cbv zeta in H.
       destruct H as [_ H]. intro B.
-      assert (E : F2R (Float radix2 (cond_Zopp (minus d) (Zpos (numerator d))) 0) / F2R (Float radix2 (cond_Zopp false (Zpos (denominator d))) 0) =
-        Q2R (cond_Zopp (minus d) (Zpos (numerator d)) # denominator d)).
+      assert (E : F2R (Float radix2 (cond_Zopp (is_negative d) (Zpos (numerator d))) 0) / F2R (Float radix2 (cond_Zopp false (Zpos (denominator d))) 0) =
+        Q2R (cond_Zopp (is_negative d) (Zpos (numerator d)) # denominator d)).
       { unfold F2R, Q2R; cbn [Fnum Fexp cond_Zopp Qnum Qden bpow]. unfold Rdiv. rewrite !Rmult_1_r. reflexivity. }
       rewrite E in H. rewrite Rlt_bool_true in H by exact B. destruct H as (H1 & H2 & _). split; [exact H1|exact H2].
   Qed.
 
   (* the value of a float as a rational, to be computed *)
-  Definition rational (x : spec_float) : Q :=
+  Definition spec_float_value (x : spec_float) : Q :=
     match x with
     | S754_finite s m e => if (0 <=? e)%Z then inject_Z (cond_Zopp s (Zpos m) * 2 ^ e) else (cond_Zopp s (Zpos m) # Z.to_pos (2 ^ (- e)))%Q
     | _ => 0%Q
     end.
-  Lemma rational_ok x : Q2R (rational x) = SF2R radix2 x.
+  Lemma spec_float_value_real x : Q2R (spec_float_value x) = SF2R radix2 x.
   Proof.
-    destruct x as [s|s| |s m e]; cbn [rational SF2R]; try (unfold Q2R; cbn; lra).
+    destruct x as [s|s| |s m e]; cbn [spec_float_value SF2R]; try (unfold Q2R; cbn; lra).
     unfold F2R; cbn [Fnum Fexp]. destruct (Z.leb_spec 0 e).
     - unfold Q2R, inject_Z; cbn [Qnum Qden]. rewrite mult_IZR. change 2%Z with (radix_val radix2). rewrite IZR_Zpower by assumption. lra.
     - unfold Q2R; cbn [Qnum Qden]. f_equal. assert (0 < 2 ^ (- e))%Z by (apply Z.pow_pos_nonneg; lia).
       rewrite Z2Pos.id by assumption. change 2%Z with (radix_val radix2). rewrite IZR_Zpower by lia. rewrite <- bpow_opp. f_equal; lia.
   Qed.
-  Definition is_number (d : decimal) (v : Q) : bool :=
-    match decimal_float d with S754_finite _ _ _ | S754_zero _ => Qeq_bool (rational (decimal_float d)) v | _ => false end.
-  Lemma is_number_ok d v : is_number d v = true -> B2R (decimal_number d) = Q2R v /\ is_finite (decimal_number d) = true.
+  Definition literal_equals (d : decimal) (v : Q) : bool :=
+    match decimal_float d with S754_finite _ _ _ | S754_zero _ => Qeq_bool (spec_float_value (decimal_float d)) v | _ => false end.
+  Lemma literal_equals_value d v : literal_equals d v = true -> B2R (decimal_number d) = Q2R v /\ is_finite (decimal_number d) = true.
   Proof.
-    unfold is_number, decimal_number. rewrite B2R_SF2B, is_finite_SF2B.
-    intro H. assert (Q : Qeq_bool (rational (decimal_float d)) v = true /\ is_finite_SF (decimal_float d) = true) by (destruct (decimal_float d); try easy; now split).
-    destruct Q as [Q Fi]. split; [|exact Fi]. rewrite <- rational_ok. now apply Qeq_eqR, Qeq_bool_iff.
+    unfold literal_equals, decimal_number. rewrite B2R_SF2B, is_finite_SF2B.
+    intro H. assert (Q : Qeq_bool (spec_float_value (decimal_float d)) v = true /\ is_finite_SF (decimal_float d) = true) by (destruct (decimal_float d); try easy; now split).
+    destruct Q as [Q Fi]. split; [|exact Fi]. rewrite <- spec_float_value_real. now apply Qeq_eqR, Qeq_bool_iff.
   Qed.
 
   (* ---------------------------------------------------------------- bits *)
 
   (* A number in memory as an unsigned integer: IEEE 754's interchange format. From the lowest bit: the fraction, the biased exponent, the sign.
      There is one NaN, the quiet one. *)
-  Definition least_exponent : Z := 3 - emax - prec.
-  Definition step : Z := 2 ^ (prec - 1). (* of the exponent's field *)
-  Definition words : Z := 4 * emax * step. (* how many there are: 2^w *)
+  Definition minimum_exponent : Z := 3 - emax - prec.
+  Definition exponent_step : Z := 2 ^ (prec - 1). (* of the exponent's field *)
+  Definition bit_pattern_count : Z := 4 * emax * exponent_step. (* how many there are: 2^w *)
   Definition bits (y : number) : Z :=
-    let signed (s : bool) (z : Z) := (if s then z + words / 2 else z)%Z in
+    let signed (s : bool) (z : Z) := (if s then z + bit_pattern_count / 2 else z)%Z in
     match y with
     | B754_zero s => signed s 0%Z
-    | B754_infinity s => signed s ((2 * emax - 1) * step)%Z
-    | B754_nan => ((2 * emax - 1) * step + step / 2)%Z
-    | B754_finite s m e _ => signed s (if (Zpos m <? step)%Z then Zpos m else (e - least_exponent + 1) * step + (Zpos m - step))%Z
+    | B754_infinity s => signed s ((2 * emax - 1) * exponent_step)%Z
+    | B754_nan => ((2 * emax - 1) * exponent_step + exponent_step / 2)%Z
+    | B754_finite s m e _ => signed s (if (Zpos m <? exponent_step)%Z then Zpos m else (e - minimum_exponent + 1) * exponent_step + (Zpos m - exponent_step))%Z
     end.
   Definition of_bits (z : Z) : number :=
-    let s := (words / 2 <=? z)%Z in
-    let field := (z mod (words / 2) / step)%Z in
-    let fraction := (z mod step)%Z in
+    let s := (bit_pattern_count / 2 <=? z)%Z in
+    let field := (z mod (bit_pattern_count / 2) / exponent_step)%Z in
+    let fraction := (z mod exponent_step)%Z in
     if (field =? 2 * emax - 1)%Z then (if (fraction =? 0)%Z then B754_infinity s else B754_nan)
-    else if (field =? 0)%Z then binary_normalize prec emax _ _ mode_NE (cond_Zopp s fraction) least_exponent s
-    else binary_normalize prec emax _ _ mode_NE (cond_Zopp s (fraction + step)) (field - 1 + least_exponent) s.
+    else if (field =? 0)%Z then binary_normalize prec emax _ _ mode_NE (cond_Zopp s fraction) minimum_exponent s
+    else binary_normalize prec emax _ _ mode_NE (cond_Zopp s (fraction + exponent_step)) (field - 1 + minimum_exponent) s.
 
   (* y = m 2^e with m from about 1/sqrt 2 to about sqrt 2, as the C has it in unsigned arithmetic; `cut` are the bits of the least m *)
-  Definition cut : Z := if (prec =? 24)%Z then 0x3f3504f3 else 0x3fe6a09e667f3bcd.
-  Definition exponent_by_bits (y : number) : Z := Z.shiftr ((bits y - cut) mod words) (prec - 1).
-  Definition mantissa_by_bits (y : number) : number := of_bits ((Z.land ((bits y - cut) mod words) (Z.ones (prec - 1)) + cut) mod words).
+  Definition mantissa_cut : Z := if (prec =? 24)%Z then 0x3f3504f3 else 0x3fe6a09e667f3bcd.
+  Definition exponent_by_bits (y : number) : Z := Z.shiftr ((bits y - mantissa_cut) mod bit_pattern_count) (prec - 1).
+  Definition mantissa_by_bits (y : number) : number := of_bits ((Z.land ((bits y - mantissa_cut) mod bit_pattern_count) (Z.ones (prec - 1)) + mantissa_cut) mod bit_pattern_count).
 
   (* below 512 in binary32 and below 4096 in binary64 *)
   Lemma exponent_range y : (0 <= exponent_by_bits y < 4 * emax)%Z.
   Proof.
-    assert (S0 : (0 < step)%Z) by (apply Z.pow_pos_nonneg; lia). assert (W : (0 < words)%Z) by (unfold words; nia).
-    assert (M := Z.mod_pos_bound (bits y - cut) words W). unfold exponent_by_bits. rewrite Z.shiftr_div_pow2 by lia. fold step.
-    split; [apply Z.div_pos; lia|apply Z.div_lt_upper_bound; [exact S0|]]. unfold words in *. lia.
+    assert (S0 : (0 < exponent_step)%Z) by (apply Z.pow_pos_nonneg; lia). assert (W : (0 < bit_pattern_count)%Z) by (unfold bit_pattern_count; nia).
+    assert (M := Z.mod_pos_bound (bits y - mantissa_cut) bit_pattern_count W). unfold exponent_by_bits. rewrite Z.shiftr_div_pow2 by lia. fold exponent_step.
+    split; [apply Z.div_pos; lia|apply Z.div_lt_upper_bound; [exact S0|]]. unfold bit_pattern_count in *. lia.
   Qed.
 
   (* ---------------------------------------------------------------- the machine *)
@@ -119,55 +119,55 @@ Section Semantics.
     Arithmetic number (Bplus mode_NE) (Bminus mode_NE) (Bmult mode_NE) (Bdiv mode_NE) Bopp Bltb Bleb is_finite B754_nan decimal_number of_int
       (fun x => if is_finite x then Some (Btrunc x) else None) log_ exponent_by_bits mantissa_by_bits.
 
-  Definition most : R := bpow radix2 (emax - 1).
+  Definition safe_maximum : R := bpow radix2 (emax - 1).
 
-  Lemma rnd_le x y : x <= y -> rnd x <= rnd y.
-  Proof. intro H. unfold rnd. apply round_le; [apply fexp_valid|apply valid_rnd_N|exact H]. Qed.
-  Lemma rnd_0 : rnd 0 = 0. Proof. unfold rnd. now rewrite round_0 by apply valid_rnd_N. Qed.
-  Lemma rnd_opp x : rnd (- x) = - rnd x. Proof. unfold rnd. apply round_NE_opp. Qed.
-  Lemma rnd_format x : generic_format radix2 fexp x -> rnd x = x.
-  Proof. intro H. unfold rnd. apply round_generic; [apply valid_rnd_N|exact H]. Qed.
-  Lemma number_format (x : number) : generic_format radix2 fexp (B2R x).
+  Lemma round_nearest_le x y : x <= y -> round_nearest x <= round_nearest y.
+  Proof. intro H. unfold round_nearest. apply round_le; [apply format_exponent_valid|apply valid_rnd_N|exact H]. Qed.
+  Lemma round_nearest_0 : round_nearest 0 = 0. Proof. unfold round_nearest. now rewrite round_0 by apply valid_rnd_N. Qed.
+  Lemma round_nearest_opp x : round_nearest (- x) = - round_nearest x. Proof. unfold round_nearest. apply round_NE_opp. Qed.
+  Lemma round_nearest_of_format x : generic_format radix2 format_exponent x -> round_nearest x = x.
+  Proof. intro H. unfold round_nearest. apply round_generic; [apply valid_rnd_N|exact H]. Qed.
+  Lemma number_format (x : number) : generic_format radix2 format_exponent (B2R x).
   Proof. apply generic_format_B2R. Qed.
 
-  Lemma not_over x : Rabs x <= most -> Rlt_bool (Rabs (rnd x)) (bpow radix2 emax) = true.
+  Lemma no_overflow x : Rabs x <= safe_maximum -> Rlt_bool (Rabs (round_nearest x)) (bpow radix2 emax) = true.
   Proof.
-    intro H. apply Rlt_bool_true. apply Rle_lt_trans with most; [|unfold most; apply bpow_lt; lia].
-    unfold rnd. apply abs_round_le_generic; [apply fexp_valid|apply valid_rnd_N| |exact H].
-    unfold most. apply generic_format_bpow. unfold FLT_exp. assert (P := prec_gt_0_). assert (P2 := prec_lt_emax_). unfold Prec_gt_0, Prec_lt_emax in *. lia.
+    intro H. apply Rlt_bool_true. apply Rle_lt_trans with safe_maximum; [|unfold safe_maximum; apply bpow_lt; lia].
+    unfold round_nearest. apply abs_round_le_generic; [apply format_exponent_valid|apply valid_rnd_N| |exact H].
+    unfold safe_maximum. apply generic_format_bpow. unfold FLT_exp. assert (P := prec_gt_0_). assert (P2 := prec_lt_emax_). unfold Prec_gt_0, Prec_lt_emax in *. lia.
   Qed.
 
-  Lemma add_ok (x y : number) : is_finite x = true -> is_finite y = true -> Rabs (B2R x + B2R y) <= most ->
-    B2R (Bplus mode_NE x y) = rnd (B2R x + B2R y) /\ is_finite (Bplus mode_NE x y) = true.
-  Proof. intros X Y H. assert (C := Bplus_correct prec emax _ _ mode_NE x y X Y). cbn [round_mode] in C. fold rnd in C. fold (rnd (B2R x + B2R y)) in C. rewrite not_over in C by exact H. tauto. Qed.
-  Lemma sub_ok (x y : number) : is_finite x = true -> is_finite y = true -> Rabs (B2R x - B2R y) <= most ->
-    B2R (Bminus mode_NE x y) = rnd (B2R x - B2R y) /\ is_finite (Bminus mode_NE x y) = true.
-  Proof. intros X Y H. assert (C := Bminus_correct prec emax _ _ mode_NE x y X Y). cbn [round_mode] in C. fold (rnd (B2R x - B2R y)) in C. rewrite not_over in C by exact H. tauto. Qed.
-  Lemma mul_ok (x y : number) : is_finite x = true -> is_finite y = true -> Rabs (B2R x * B2R y) <= most ->
-    B2R (Bmult mode_NE x y) = rnd (B2R x * B2R y) /\ is_finite (Bmult mode_NE x y) = true.
+  Lemma add_rounds (x y : number) : is_finite x = true -> is_finite y = true -> Rabs (B2R x + B2R y) <= safe_maximum ->
+    B2R (Bplus mode_NE x y) = round_nearest (B2R x + B2R y) /\ is_finite (Bplus mode_NE x y) = true.
+  Proof. intros X Y H. assert (C := Bplus_correct prec emax _ _ mode_NE x y X Y). cbn [round_mode] in C. fold round_nearest in C. fold (round_nearest (B2R x + B2R y)) in C. rewrite no_overflow in C by exact H. tauto. Qed.
+  Lemma sub_rounds (x y : number) : is_finite x = true -> is_finite y = true -> Rabs (B2R x - B2R y) <= safe_maximum ->
+    B2R (Bminus mode_NE x y) = round_nearest (B2R x - B2R y) /\ is_finite (Bminus mode_NE x y) = true.
+  Proof. intros X Y H. assert (C := Bminus_correct prec emax _ _ mode_NE x y X Y). cbn [round_mode] in C. fold (round_nearest (B2R x - B2R y)) in C. rewrite no_overflow in C by exact H. tauto. Qed.
+  Lemma mul_rounds (x y : number) : is_finite x = true -> is_finite y = true -> Rabs (B2R x * B2R y) <= safe_maximum ->
+    B2R (Bmult mode_NE x y) = round_nearest (B2R x * B2R y) /\ is_finite (Bmult mode_NE x y) = true.
   Proof.
-    intros X Y H. assert (C := Bmult_correct prec emax _ _ mode_NE x y). cbn [round_mode] in C. fold (rnd (B2R x * B2R y)) in C. rewrite not_over in C by exact H.
+    intros X Y H. assert (C := Bmult_correct prec emax _ _ mode_NE x y). cbn [round_mode] in C. fold (round_nearest (B2R x * B2R y)) in C. rewrite no_overflow in C by exact H.
     destruct C as (C1 & C2 & _). split; [exact C1|]. rewrite C2, X, Y. reflexivity.
   Qed.
-  Lemma div_ok (x y : number) : is_finite x = true -> B2R y <> 0 -> Rabs (B2R x / B2R y) <= most ->
-    B2R (Bdiv mode_NE x y) = rnd (B2R x / B2R y) /\ is_finite (Bdiv mode_NE x y) = true.
+  Lemma div_rounds (x y : number) : is_finite x = true -> B2R y <> 0 -> Rabs (B2R x / B2R y) <= safe_maximum ->
+    B2R (Bdiv mode_NE x y) = round_nearest (B2R x / B2R y) /\ is_finite (Bdiv mode_NE x y) = true.
   Proof.
-    intros X Y H. assert (C := Bdiv_correct prec emax _ _ mode_NE x y Y). cbn [round_mode] in C. fold (rnd (B2R x / B2R y)) in C. rewrite not_over in C by exact H.
+    intros X Y H. assert (C := Bdiv_correct prec emax _ _ mode_NE x y Y). cbn [round_mode] in C. fold (round_nearest (B2R x / B2R y)) in C. rewrite no_overflow in C by exact H.
     destruct C as (C1 & C2 & _). split; [exact C1|]. now rewrite C2.
   Qed.
-  Lemma less_ok (x y : number) : is_finite x = true -> is_finite y = true -> Bltb x y = true <-> B2R x < B2R y.
+  Lemma less_is_real_order (x y : number) : is_finite x = true -> is_finite y = true -> Bltb x y = true <-> B2R x < B2R y.
   Proof. intros X Y. rewrite (Bltb_correct prec emax x y X Y). case Rlt_bool_spec; intuition (try easy; lra). Qed.
-  Lemma at_most_ok (x y : number) : is_finite x = true -> is_finite y = true -> Bleb x y = true <-> B2R x <= B2R y.
+  Lemma at_most_is_real_order (x y : number) : is_finite x = true -> is_finite y = true -> Bleb x y = true <-> B2R x <= B2R y.
   Proof. intros X Y. rewrite (Bleb_correct prec emax x y X Y). case Rle_bool_spec; intuition (try easy; lra). Qed.
-  Lemma opp_ok (x : number) : B2R (Bopp x) = - B2R x /\ is_finite (Bopp x) = is_finite x.
+  Lemma opp_is_exact (x : number) : B2R (Bopp x) = - B2R x /\ is_finite (Bopp x) = is_finite x.
   Proof. split; [apply B2R_Bopp|apply is_finite_Bopp]. Qed.
 
   (* whole numbers up to 2^24 are floats *)
-  Lemma int_format z : (Z.abs z <= 2 ^ 24)%Z -> generic_format radix2 fexp (IZR z).
+  Lemma small_integer_in_format z : (Z.abs z <= 2 ^ 24)%Z -> generic_format radix2 format_exponent (IZR z).
   Proof.
     intro H. assert (E : F2R (Float radix2 z 0) = IZR z) by (unfold F2R; cbn; ring).
     destruct (Z.eq_dec (Z.abs z) (2 ^ 24)) as [Q|Q].
-    - assert (B : generic_format radix2 fexp (bpow radix2 24)).
+    - assert (B : generic_format radix2 format_exponent (bpow radix2 24)).
       { apply generic_format_bpow. unfold FLT_exp. assert (P := prec_lt_emax_). unfold Prec_lt_emax in *. lia. }
       destruct (Z.abs_spec z) as [[_ Z1]|[_ Z1]]; rewrite Z1 in Q.
       + rewrite Q. exact B.
@@ -175,60 +175,60 @@ Section Semantics.
     - apply generic_format_FLT. exists (Float radix2 z 0); cbn [Fnum Fexp]; [now rewrite E| |assert (P := prec_lt_emax_); unfold Prec_lt_emax in *; lia].
       apply Z.lt_le_trans with (2 ^ 24)%Z; [lia|]. change (radix_val radix2) with 2%Z. apply Z.pow_le_mono_r; lia.
   Qed.
-  Lemma int_size z : (Z.abs z <= 2 ^ 24)%Z -> Rabs (IZR z) < bpow radix2 emax.
+  Lemma small_integer_no_overflow z : (Z.abs z <= 2 ^ 24)%Z -> Rabs (IZR z) < bpow radix2 emax.
   Proof.
     intro H. rewrite <- abs_IZR. apply Rle_lt_trans with (bpow radix2 24); [|apply bpow_lt; lia].
     change (bpow radix2 24) with (IZR (2 ^ 24)). now apply IZR_le.
   Qed.
-  Lemma of_int_ok z : (Z.abs z <= 2 ^ 24)%Z -> B2R (of_int z) = IZR z /\ is_finite (of_int z) = true.
+  Lemma of_int_exact z : (Z.abs z <= 2 ^ 24)%Z -> B2R (of_int z) = IZR z /\ is_finite (of_int z) = true.
   Proof.
     intro H. assert (C := binary_normalize_correct prec emax _ _ mode_NE z 0 false). cbv zeta in C. cbn [round_mode] in C.
     assert (E : F2R (Float radix2 z 0) = IZR z) by (unfold F2R; cbn; ring). rewrite E in C.
-    unfold of_int. match type of C with context [round radix2 ?f ?r (IZR z)] => change (round radix2 f r (IZR z)) with (rnd (IZR z)) in C end.
-    rewrite (rnd_format _ (int_format z H)) in C. rewrite Rlt_bool_true in C; [tauto|now apply int_size].
+    unfold of_int. match type of C with context [round radix2 ?f ?r (IZR z)] => change (round radix2 f r (IZR z)) with (round_nearest (IZR z)) in C end.
+    rewrite (round_nearest_of_format _ (small_integer_in_format z H)) in C. rewrite Rlt_bool_true in C; [tauto|now apply small_integer_no_overflow].
   Qed.
-  Lemma whole_literal d z : (Z.abs z <= 2 ^ 24)%Z -> (decimal_value d == inject_Z z)%Q -> B2R (decimal_number d) = IZR z /\ is_finite (decimal_number d) = true.
+  Lemma integer_literal_exact d z : (Z.abs z <= 2 ^ 24)%Z -> (decimal_value d == inject_Z z)%Q -> B2R (decimal_number d) = IZR z /\ is_finite (decimal_number d) = true.
   Proof.
     intros H E. assert (V : Q2R (decimal_value d) = IZR z) by (rewrite (Qeq_eqR _ _ E); unfold Q2R, inject_Z; cbn; lra).
-    assert (C := decimal_number_ok d). rewrite V, (rnd_format _ (int_format z H)) in C. apply C. now apply int_size.
+    assert (C := decimal_number_rounds d). rewrite V, (round_nearest_of_format _ (small_integer_in_format z H)) in C. apply C. now apply small_integer_no_overflow.
   Qed.
-  Lemma to_int_ok (x : number) : Btrunc x = Ztrunc (B2R x).
+  Lemma truncation_value (x : number) : Btrunc x = Ztrunc (B2R x).
   Proof.
     apply eq_IZR. rewrite Btrunc_correct by exact prec_lt_emax_. unfold round, F2R; cbn [Fnum Fexp]. unfold scaled_mantissa, cexp, FIX_exp; cbn [bpow Z.opp]. now rewrite !Rmult_1_r.
   Qed.
 
   (* ---------------------------------------------------------------- errors *)
 
-  Lemma unit_roundoff_small : 0 < unit_roundoff <= / IZR (2 ^ 24).
+  Lemma unit_roundoff_range : 0 < unit_roundoff <= / IZR (2 ^ 24).
   Proof.
     unfold unit_roundoff. split; [apply bpow_gt_0|]. change (/ IZR (2 ^ 24)) with (bpow radix2 (-24)). apply bpow_le; lia.
   Qed.
-  Lemma half_bpow : / 2 * bpow radix2 (- prec + 1) = unit_roundoff.
+  Lemma unit_roundoff_as_half : / 2 * bpow radix2 (- prec + 1) = unit_roundoff.
   Proof. rewrite bpow_plus. unfold unit_roundoff. cbn [bpow]. change (Z.pow_pos radix2 1) with 2%Z. lra. Qed.
 
-  Definition tiny : R := bpow radix2 (-150).
-  Lemma rnd_error x : Rabs (rnd x - x) <= Rabs x * unit_roundoff + tiny.
+  Definition underflow_error : R := bpow radix2 (-150).
+  Lemma round_nearest_error x : Rabs (round_nearest x - x) <= Rabs x * unit_roundoff + underflow_error.
   Proof.
     destruct (error_N_FLT radix2 (3 - emax - prec) prec ltac:(exact prec_gt_0_) (fun x => negb (Z.even x)) x) as (e & t & He & Ht & _ & E).
-    unfold rnd, ZnearestE in *. rewrite E. replace (x * (1 + e) + t - x) with (x * e + t) by ring.
+    unfold round_nearest, ZnearestE in *. rewrite E. replace (x * (1 + e) + t - x) with (x * e + t) by ring.
     eapply Rle_trans; [apply Rabs_triang|]. rewrite Rabs_mult. apply Rplus_le_compat.
-    - apply Rmult_le_compat_l; [apply Rabs_pos|]. apply Rle_trans with (1 := He). rewrite half_bpow. apply Rle_refl.
-    - apply Rle_trans with (1 := Ht). unfold tiny. replace (/ 2) with (bpow radix2 (-1)) by reflexivity. rewrite <- bpow_plus. apply bpow_le. lia.
+    - apply Rmult_le_compat_l; [apply Rabs_pos|]. apply Rle_trans with (1 := He). rewrite unit_roundoff_as_half. apply Rle_refl.
+    - apply Rle_trans with (1 := Ht). unfold underflow_error. replace (/ 2) with (bpow radix2 (-1)) by reflexivity. rewrite <- bpow_plus. apply bpow_le. lia.
   Qed.
-  Lemma rnd_relative x : bpow radix2 (-126) <= Rabs x -> Rabs (rnd x - x) <= unit_roundoff * Rabs x.
+  Lemma round_nearest_relative_error x : bpow radix2 (-126) <= Rabs x -> Rabs (round_nearest x - x) <= unit_roundoff * Rabs x.
   Proof.
-    intro H. rewrite <- half_bpow. apply (relative_error_N_FLT radix2 (3 - emax - prec) prec ltac:(exact prec_gt_0_) (fun x => negb (Z.even x))).
+    intro H. rewrite <- unit_roundoff_as_half. apply (relative_error_N_FLT radix2 (3 - emax - prec) prec ltac:(exact prec_gt_0_) (fun x => negb (Z.even x))).
     apply Rle_trans with (2 := H). apply bpow_le. lia.
   Qed.
   (* a sum of floats has no error that is not relative *)
-  Lemma rnd_sum x y : generic_format radix2 fexp x -> generic_format radix2 fexp y -> Rabs (rnd (x + y) - (x + y)) <= unit_roundoff * Rabs (x + y).
+  Lemma sum_relative_error x y : generic_format radix2 format_exponent x -> generic_format radix2 format_exponent y -> Rabs (round_nearest (x + y) - (x + y)) <= unit_roundoff * Rabs (x + y).
   Proof.
     intros X Y. destruct (Plus_error.FLT_plus_error_N_ex radix2 (3 - emax - prec) prec (fun x => negb (Z.even x)) x y X Y) as (e & He & E).
-    change (rnd (x + y)) with (round radix2 fexp (Znearest (fun x => negb (Z.even x))) (x + y)). rewrite E. replace ((x + y) * (1 + e) - (x + y)) with (e * (x + y)) by ring. rewrite Rabs_mult.
+    change (round_nearest (x + y)) with (round radix2 format_exponent (Znearest (fun x => negb (Z.even x))) (x + y)). rewrite E. replace ((x + y) * (1 + e) - (x + y)) with (e * (x + y)) by ring. rewrite Rabs_mult.
     apply Rmult_le_compat_r; [apply Rabs_pos|]. apply Rle_trans with (1 := He).
-    assert (U : u_ro radix2 prec = unit_roundoff) by (unfold u_ro; apply half_bpow). rewrite U. pose proof unit_roundoff_small.
+    assert (U : u_ro radix2 prec = unit_roundoff) by (unfold u_ro; apply unit_roundoff_as_half). rewrite U. pose proof unit_roundoff_range.
     apply Rmult_le_reg_r with (1 + unit_roundoff); [lra|]. unfold Rdiv. rewrite Rmult_assoc, Rinv_l by lra. nra.
   Qed.
-  Lemma rnd_difference x y : generic_format radix2 fexp x -> generic_format radix2 fexp y -> Rabs (rnd (x - y) - (x - y)) <= unit_roundoff * Rabs (x - y).
-  Proof. intros X Y. change (x - y) with (x + - y). apply rnd_sum; [exact X|now apply generic_format_opp]. Qed.
+  Lemma difference_relative_error x y : generic_format radix2 format_exponent x -> generic_format radix2 format_exponent y -> Rabs (round_nearest (x - y) - (x - y)) <= unit_roundoff * Rabs (x - y).
+  Proof. intros X Y. change (x - y) with (x + - y). apply sum_relative_error; [exact X|now apply generic_format_opp]. Qed.
 End Semantics.

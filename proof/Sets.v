@@ -3,51 +3,51 @@ From Coq Require Import ZArith QArith Qreals Qabs Qminmax Reals List Bool Lia Lr
 Import ListNotations.
 Open Scope R_scope.
 
-Record box := Box { lo : list Q; hi : list Q }.
-Definition at_ (l : list Q) (i : nat) : R := Q2R (nth i l 0%Q).
+Record box := Box { lower_corner : list Q; upper_corner : list Q }.
+Definition real_at (l : list Q) (i : nat) : R := Q2R (nth i l 0%Q).
 Fixpoint total (m : nat) (u : nat -> R) : R := match m with O => 0 | S j => u j + total j u end.
 
 (* ------------------------------------------------------------------ membership *)
 
 (* A point is within half-spaces normal . x <= offset. *)
-Definition within_faces (n : nat) (faces : list (list Q * Q)) (x : nat -> R) : Prop :=
-  forall f, In f faces -> total n (fun i => at_ (fst f) i * x i) <= Q2R (snd f).
+Definition within_half_spaces (n : nat) (half_spaces : list (list Q * Q)) (x : nat -> R) : Prop :=
+  forall h, In h half_spaces -> total n (fun i => real_at (fst h) i * x i) <= Q2R (snd h).
 
 (* The convex hull of points, or a box that half-spaces cut. *)
-Inductive core := Hull (points : list (list Q)) | Cut (room : box) (faces : list (list Q * Q)).
+Inductive core := Hull (points : list (list Q)) | Cut (bounds : box) (half_spaces : list (list Q * Q)).
 
 (* A set is its core, and about each point of that a box and in some dimensions a ball. *)
-Record shape := Shape { middle : core; extent : box; ball_in : list nat; radius : Q }.
+Record shape := Shape { shape_core : core; shape_box : box; ball_axes : list nat; ball_radius : Q }.
 
 (* Numbers that a list does not have are 0: this is the box alone, about the origin. *)
-Definition solid (b : box) : shape := Shape (Hull [[]]) b [] 0.
+Definition shape_of_box (b : box) : shape := Shape (Hull [[]]) b [] 0.
 
-Definition combination (ws : list R) (points : list (list Q)) (i : nat) : R :=
-  fold_right Rplus 0 (map (fun wp => fst wp * at_ (snd wp) i) (combine ws points)).
+Definition convex_combination (weights : list R) (points : list (list Q)) (i : nat) : R :=
+  fold_right Rplus 0 (map (fun wp => fst wp * real_at (snd wp) i) (combine weights points)).
 
 Definition in_core (n : nat) (c : core) (q : nat -> R) : Prop :=
   match c with
-  | Hull points => exists ws, length ws = length points /\ (forall w, In w ws -> 0 <= w) /\ fold_right Rplus 0 ws = 1 /\
-      forall i, (i < n)%nat -> q i = combination ws points i
-  | Cut room faces => (forall i, (i < n)%nat -> at_ (lo room) i <= q i <= at_ (hi room) i) /\ within_faces n faces q
+  | Hull points => exists weights, length weights = length points /\ (forall w, In w weights -> 0 <= w) /\ fold_right Rplus 0 weights = 1 /\
+      forall i, (i < n)%nat -> q i = convex_combination weights points i
+  | Cut bounds half_spaces => (forall i, (i < n)%nat -> real_at (lower_corner bounds) i <= q i <= real_at (upper_corner bounds) i) /\ within_half_spaces n half_spaces q
   end.
 
-Definition in_set (n : nat) (o : shape) (y : nat -> R) : Prop := exists q b r : nat -> R,
-  in_core n (middle o) q /\
-  (forall i, (i < n)%nat -> at_ (lo (extent o)) i <= b i <= at_ (hi (extent o)) i) /\
-  (forall i, (i < n)%nat -> ~ In i (ball_in o) -> r i = 0) /\ total n (fun i => (r i)^2) <= (Q2R (radius o))^2 /\
+Definition in_set (n : nat) (set : shape) (y : nat -> R) : Prop := exists q b r : nat -> R,
+  in_core n (shape_core set) q /\
+  (forall i, (i < n)%nat -> real_at (lower_corner (shape_box set)) i <= b i <= real_at (upper_corner (shape_box set)) i) /\
+  (forall i, (i < n)%nat -> ~ In i (ball_axes set) -> r i = 0) /\ total n (fun i => (r i)^2) <= (Q2R (ball_radius set))^2 /\
   forall i, (i < n)%nat -> y i = q i + b i + r i.
 
 (* A state is clear of a set: of every point of it, it is farther away than c in some dimension. *)
-Definition clear (n : nat) (c : R) (o : shape) (x : nat -> R) : Prop :=
-  forall y, in_set n o y -> exists i, (i < n)%nat /\ c < Rabs (x i - y i).
+Definition clear (n : nat) (clearance : R) (set : shape) (x : nat -> R) : Prop :=
+  forall y, in_set n set y -> exists i, (i < n)%nat /\ clearance < Rabs (x i - y i).
 
 (* A box [L, U] is separated from a set: along some normal v all points of the box are beyond all points of the set, by as much as c
    in every dimension makes. *)
-Definition separated (n : nat) (c : R) (o : shape) (L U : nat -> R) : Prop :=
-  exists v : nat -> R, (exists i, (i < n)%nat /\ v i <> 0) /\
-    forall x y, (forall i, (i < n)%nat -> L i <= x i <= U i) -> in_set n o y ->
-      total n (fun i => v i * y i) + c * total n (fun i => Rabs (v i)) <= total n (fun i => v i * x i).
+Definition separated (n : nat) (clearance : R) (set : shape) (L U : nat -> R) : Prop :=
+  exists normal : nat -> R, (exists i, (i < n)%nat /\ normal i <> 0) /\
+    forall x y, (forall i, (i < n)%nat -> L i <= x i <= U i) -> in_set n set y ->
+      total n (fun i => normal i * y i) + clearance * total n (fun i => Rabs (normal i)) <= total n (fun i => normal i * x i).
 
 (* ------------------------------------------------------------------ sums *)
 
@@ -63,97 +63,97 @@ Proof.
 Qed.
 Lemma total_plus n u w : total n (fun i => u i + w i) = total n u + total n w.
 Proof. induction n; cbn; [ring|rewrite IHn; ring]. Qed.
-Lemma total_scal n a u : total n (fun i => a * u i) = a * total n u.
+Lemma total_scale n a u : total n (fun i => a * u i) = a * total n u.
 Proof. induction n; cbn; [ring|rewrite IHn; ring]. Qed.
 Lemma total_zero n : total n (fun _ => 0) = 0.
 Proof. induction n; cbn; lra. Qed.
 
-Lemma some_or_none n (P : nat -> Prop) : (forall i, {P i} + {~ P i}) -> (exists i, (i < n)%nat /\ P i) \/ forall i, (i < n)%nat -> ~ P i.
+Lemma exists_or_forall_not n (P : nat -> Prop) : (forall i, {P i} + {~ P i}) -> (exists i, (i < n)%nat /\ P i) \/ forall i, (i < n)%nat -> ~ P i.
 Proof.
   intro D. induction n as [|n [(i & Hi & E)|N]]; [right; lia|left; exists i; split; [lia|exact E]|].
   destruct (D n) as [E|E]; [left; exists n; split; [lia|exact E]|]. right. intros i Hi. destruct (Nat.eq_dec i n) as [->|Ne]; [exact E|apply N; lia].
 Qed.
 
 (* Strictly inside a box that is separated from a set, a state is clear of it: it is beyond the corner that is nearest to the set. *)
-Lemma separated_clear n c o L U x : separated n c o L U -> (forall i, (i < n)%nat -> L i < x i < U i) -> clear n c o x.
+Lemma strictly_inside_separated_is_clear n clearance set L U x : separated n clearance set L U -> (forall i, (i < n)%nat -> L i < x i < U i) -> clear n clearance set x.
 Proof.
-  intros (v & Nz & S) I y Y. destruct (some_or_none n (fun i => c < Rabs (x i - y i))) as [E|N]; [intro; apply Rlt_dec|exact E|]. exfalso.
+  intros (v & Nz & S) I y Y. destruct (exists_or_forall_not n (fun i => clearance < Rabs (x i - y i))) as [E|N]; [intro; apply Rlt_dec|exact E|]. exfalso.
   set (corner := fun i => if Rlt_dec 0 (v i) then L i else U i).
   assert (A := S corner y ltac:(intros i Hi; specialize (I i Hi); unfold corner; destruct Rlt_dec; lra) Y).
   assert (B : total n (fun i => v i * corner i) < total n (fun i => v i * x i)).
   { apply total_lt.
     - intros i Hi. specialize (I i Hi). unfold corner. destruct Rlt_dec; [apply Rmult_le_compat_l; lra|]. nra.
     - destruct Nz as (i & Hi & Ne). exists i. split; [exact Hi|]. specialize (I i Hi). unfold corner. destruct Rlt_dec; [apply Rmult_lt_compat_l; lra|]. nra. }
-  assert (C : total n (fun i => v i * x i) <= total n (fun i => v i * y i + c * Rabs (v i))).
+  assert (C : total n (fun i => v i * x i) <= total n (fun i => v i * y i + clearance * Rabs (v i))).
   { apply total_le. intros i Hi. specialize (N i Hi). cbv beta in N. apply Rnot_lt_le in N.
-    assert (v i * (x i - y i) <= Rabs (v i) * c); [|lra].
+    assert (v i * (x i - y i) <= Rabs (v i) * clearance); [|lra].
     apply Rle_trans with (Rabs (v i * (x i - y i))); [apply Rle_abs|]. rewrite Rabs_mult. apply Rmult_le_compat_l; [apply Rabs_pos|exact N]. }
-  rewrite total_plus, total_scal in C. lra.
+  rewrite total_plus, total_scale in C. lra.
 Qed.
 
 (* Of a box alone both are what they should be. *)
-Lemma in_solid n b y : in_set n (solid b) y <-> forall i, (i < n)%nat -> at_ (lo b) i <= y i <= at_ (hi b) i.
+Lemma in_set_shape_of_box n b y : in_set n (shape_of_box b) y <-> forall i, (i < n)%nat -> real_at (lower_corner b) i <= y i <= real_at (upper_corner b) i.
 Proof.
-  assert (O : forall i, at_ [] i = 0) by (intro; unfold at_; destruct i; cbn; unfold Q2R; cbn; lra).
+  assert (O : forall i, real_at [] i = 0) by (intro; unfold real_at; destruct i; cbn; unfold Q2R; cbn; lra).
   split.
   - intros (q & e & r & (ws & Len & _ & One & Hq) & He & Hr & _ & Y) i Hi. rewrite (Y i Hi), (Hq i Hi), (Hr i Hi) by easy.
-    destruct ws as [|w [|]]; try easy. unfold combination. cbn. rewrite O. specialize (He i Hi). cbn in He. lra.
+    destruct ws as [|w [|]]; try easy. unfold convex_combination. cbn. rewrite O. specialize (He i Hi). cbn in He. lra.
   - intro H. exists (fun _ => 0), y, (fun _ => 0). split; [|split; [exact H|split; [easy|split; [|intros; ring]]]].
-    + exists [1]. split; [reflexivity|split; [intros w [<-|[]]; lra|split; [cbn; lra|]]]. intros. unfold combination. cbn. rewrite O. lra.
+    + exists [1]. split; [reflexivity|split; [intros w [<-|[]]; lra|split; [cbn; lra|]]]. intros. unfold convex_combination. cbn. rewrite O. lra.
     + rewrite (total_eq n _ (fun _ => 0)) by (intros; ring). rewrite total_zero. apply pow2_ge_0.
 Qed.
 
-Lemma clear_solid n c b x : 0 <= c -> (forall i, (i < n)%nat -> at_ (lo b) i <= at_ (hi b) i) ->
-  clear n c (solid b) x <-> exists i, (i < n)%nat /\ (x i < at_ (lo b) i - c \/ at_ (hi b) i + c < x i).
+Lemma clear_shape_of_box n c b x : 0 <= c -> (forall i, (i < n)%nat -> real_at (lower_corner b) i <= real_at (upper_corner b) i) ->
+  clear n c (shape_of_box b) x <-> exists i, (i < n)%nat /\ (x i < real_at (lower_corner b) i - c \/ real_at (upper_corner b) i + c < x i).
 Proof.
   intros C0 B. split.
-  - intro C. destruct (C (fun i => Rmax (at_ (lo b) i) (Rmin (at_ (hi b) i) (x i)))) as (i & Hi & E).
-    + apply in_solid. intros i Hi. specialize (B i Hi). unfold Rmax, Rmin. repeat destruct Rle_dec; lra.
+  - intro C. destruct (C (fun i => Rmax (real_at (lower_corner b) i) (Rmin (real_at (upper_corner b) i) (x i)))) as (i & Hi & E).
+    + apply in_set_shape_of_box. intros i Hi. specialize (B i Hi). unfold Rmax, Rmin. repeat destruct Rle_dec; lra.
     + exists i. split; [exact Hi|]. specialize (B i Hi). revert E. unfold Rmax, Rmin, Rabs. repeat destruct Rle_dec; destruct Rcase_abs; lra.
-  - intros (i & Hi & D) y Y. exists i. split; [exact Hi|]. rewrite in_solid in Y. specialize (Y i Hi). unfold Rabs. destruct Rcase_abs; lra.
+  - intros (i & Hi & D) y Y. exists i. split; [exact Hi|]. rewrite in_set_shape_of_box in Y. specialize (Y i Hi). unfold Rabs. destruct Rcase_abs; lra.
 Qed.
 
 (* ------------------------------------------------------------------ how far a set reaches, in rationals *)
 
-Fixpoint total_Q (m : nat) (u : nat -> Q) : Q := match m with O => 0%Q | S j => (u j + total_Q j u)%Q end.
-Definition weigh (v q : Q) : Q := match Qnum v with Z0 => 0%Q | _ => (v * q)%Q end. (* factors of 0 are most, and cost nothing *)
+Fixpoint total_rational (m : nat) (u : nat -> Q) : Q := match m with O => 0%Q | S j => (u j + total_rational j u)%Q end.
+Definition product_skipping_zero (v q : Q) : Q := match Qnum v with Z0 => 0%Q | _ => (v * q)%Q end. (* factors of 0 are most, and cost nothing *)
 
-Definition box_support (n : nat) (v : nat -> Q) (b : box) : Q :=
-  total_Q n (fun i => weigh (v i) (nth i (if (0 <? Qnum (v i))%Z then hi b else lo b) 0%Q)).
+Definition box_support (n : nat) (normal : nat -> Q) (b : box) : Q :=
+  total_rational n (fun i => product_skipping_zero (normal i) (nth i (if (0 <? Qnum (normal i))%Z then upper_corner b else lower_corner b) 0%Q)).
 
-Definition greatest (l : list Q) : Q := match l with [] => 0%Q | a :: r => fold_right Qmax a r end.
+Definition maximum (l : list Q) : Q := match l with [] => 0%Q | a :: r => fold_right Qmax a r end.
 
 (* Half-spaces, each as often as its multiplier says: what they amount to in dimension i, and the sum of their offsets *)
-Fixpoint joined (faces : list (list Q * Q)) (ms : list Q) (i : nat) : Q :=
-  match faces, ms with f :: faces, m :: ms => (Qmax 0 m * nth i (fst f) 0 + joined faces ms i)%Q | _, _ => 0%Q end.
-Fixpoint offset (faces : list (list Q * Q)) (ms : list Q) : Q :=
-  match faces, ms with f :: faces, m :: ms => (Qmax 0 m * snd f + offset faces ms)%Q | _, _ => 0%Q end.
+Fixpoint combined_normal (half_spaces : list (list Q * Q)) (multipliers : list Q) (i : nat) : Q :=
+  match half_spaces, multipliers with f :: half_spaces, m :: multipliers => (Qmax 0 m * nth i (fst f) 0 + combined_normal half_spaces multipliers i)%Q | _, _ => 0%Q end.
+Fixpoint combined_offset (half_spaces : list (list Q * Q)) (multipliers : list Q) : Q :=
+  match half_spaces, multipliers with f :: half_spaces, m :: multipliers => (Qmax 0 m * snd f + combined_offset half_spaces multipliers)%Q | _, _ => 0%Q end.
 
 (* By the duality of linear programs some multipliers give the support itself; any give a bound. *)
-Definition core_support (n : nat) (v : nat -> Q) (ms : list Q) (c : core) : Q :=
+Definition core_support_bound (n : nat) (normal : nat -> Q) (multipliers : list Q) (c : core) : Q :=
   match c with
-  | Hull points => greatest (map (fun p => total_Q n (fun i => weigh (v i) (nth i p 0%Q))) points)
-  | Cut room faces => (offset faces ms + box_support n (fun i => Qred (v i - joined faces ms i)) room)%Q
+  | Hull points => maximum (map (fun p => total_rational n (fun i => product_skipping_zero (normal i) (nth i p 0%Q))) points)
+  | Cut bounds half_spaces => (combined_offset half_spaces multipliers + box_support n (fun i => Qred (normal i - combined_normal half_spaces multipliers i)) bounds)%Q
   end.
 
-Fixpoint squares (n : nat) (v : nat -> Z) (axes : list nat) : Z :=
-  match n with O => 0%Z | S j => ((if existsb (Nat.eqb j) axes then v j * v j else 0) + squares j v axes)%Z end.
+Fixpoint sum_of_squares (n : nat) (normal : nat -> Z) (axes : list nat) : Z :=
+  match n with O => 0%Z | S j => ((if existsb (Nat.eqb j) axes then normal j * normal j else 0) + sum_of_squares j normal axes)%Z end.
 (* the Euclidean norm of v in these dimensions, rounded up to a multiple of 2^-32 *)
-Definition norm_up (n : nat) (v : nat -> Z) (axes : list nat) : Q := (Z.sqrt_up (squares n v axes * 2 ^ 64) # 4294967296)%Q.
+Definition euclidean_norm_above (n : nat) (normal : nat -> Z) (axes : list nat) : Q := (Z.sqrt_up (sum_of_squares n normal axes * 2 ^ 64) # 4294967296)%Q.
 
-Definition support (n : nat) (v : nat -> Z) (ms : list Q) (o : shape) : Q :=
-  (core_support n (fun i => inject_Z (v i)) ms (middle o) + box_support n (fun i => inject_Z (v i)) (extent o) + Qabs (radius o) * norm_up n v (ball_in o))%Q.
+Definition support_bound (n : nat) (normal : nat -> Z) (multipliers : list Q) (set : shape) : Q :=
+  (core_support_bound n (fun i => inject_Z (normal i)) multipliers (shape_core set) + box_support n (fun i => inject_Z (normal i)) (shape_box set) + Qabs (ball_radius set) * euclidean_norm_above n normal (ball_axes set))%Q.
 
-Lemma total_Q_ok n u : Q2R (total_Q n u) = total n (fun i => Q2R (u i)).
+Lemma total_rational_value n u : Q2R (total_rational n u) = total n (fun i => Q2R (u i)).
 Proof. induction n; cbn; [unfold Q2R; cbn; lra|]. now rewrite Q2R_plus, IHn. Qed.
 
-Lemma weigh_ok v q : Q2R (weigh v q) = Q2R v * Q2R q.
-Proof. unfold weigh. destruct v as [[|p|p] d]; cbn [Qnum]; rewrite ?Q2R_mult; try reflexivity. unfold Q2R; cbn. ring. Qed.
+Lemma product_skipping_zero_value v q : Q2R (product_skipping_zero v q) = Q2R v * Q2R q.
+Proof. unfold product_skipping_zero. destruct v as [[|p|p] d]; cbn [Qnum]; rewrite ?Q2R_mult; try reflexivity. unfold Q2R; cbn. ring. Qed.
 
-Lemma box_support_ok n v b y : (forall i, (i < n)%nat -> at_ (lo b) i <= y i <= at_ (hi b) i) ->
+Lemma box_support_bounds n v b y : (forall i, (i < n)%nat -> real_at (lower_corner b) i <= y i <= real_at (upper_corner b) i) ->
   total n (fun i => Q2R (v i) * y i) <= Q2R (box_support n v b).
 Proof.
-  intro H. unfold box_support. rewrite total_Q_ok. apply total_le. intros i Hi. specialize (H i Hi). rewrite weigh_ok. unfold at_ in H.
+  intro H. unfold box_support. rewrite total_rational_value. apply total_le. intros i Hi. specialize (H i Hi). rewrite product_skipping_zero_value. unfold real_at in H.
   assert (D : 0 < / IZR (Zpos (Qden (v i)))) by (apply Rinv_0_lt_compat, (IZR_lt 0); reflexivity).
   assert (V : Q2R (v i) = IZR (Qnum (v i)) * / IZR (Zpos (Qden (v i)))) by reflexivity.
   destruct (Z.ltb_spec 0 (Qnum (v i))) as [P|P].
@@ -161,58 +161,58 @@ Proof.
   - apply IZR_le in P. assert (Q2R (v i) <= 0) by (rewrite V, <- (Rmult_0_l (/ IZR (Zpos (Qden (v i))))); apply Rmult_le_compat_r; lra). nra.
 Qed.
 
-Lemma max_R a b : Q2R a <= Q2R (Qmax a b) /\ Q2R b <= Q2R (Qmax a b).
+Lemma Qmax_bounds a b : Q2R a <= Q2R (Qmax a b) /\ Q2R b <= Q2R (Qmax a b).
 Proof. split; apply Qle_Rle; [apply Q.le_max_l|apply Q.le_max_r]. Qed.
 
-Lemma greatest_ok q l : In q l -> Q2R q <= Q2R (greatest l).
+Lemma maximum_bounds q l : In q l -> Q2R q <= Q2R (maximum l).
 Proof.
-  destruct l as [|a r]; [easy|]. cbn [greatest]. revert a. induction r as [|b r IH]; intros a I; cbn.
+  destruct l as [|a r]; [easy|]. cbn [maximum]. revert a. induction r as [|b r IH]; intros a I; cbn.
   - destruct I as [->|[]]; lra.
-  - destruct (max_R b (fold_right Qmax a r)) as [A B]. destruct I as [->|[->|I]]; [|exact A|]; (eapply Rle_trans; [|exact B]); apply IH; [now left|now right].
+  - destruct (Qmax_bounds b (fold_right Qmax a r)) as [A B]. destruct I as [->|[->|I]]; [|exact A|]; (eapply Rle_trans; [|exact B]); apply IH; [now left|now right].
 Qed.
 
-Lemma combination_total n v : forall ws points,
-  total n (fun i => v i * combination ws points i) = fold_right Rplus 0 (map (fun wp => fst wp * total n (fun i => v i * at_ (snd wp) i)) (combine ws points)).
+Lemma total_of_convex_combination n v : forall ws points,
+  total n (fun i => v i * convex_combination ws points i) = fold_right Rplus 0 (map (fun wp => fst wp * total n (fun i => v i * real_at (snd wp) i)) (combine ws points)).
 Proof.
-  induction ws as [|w ws IH]; intros [|p points]; unfold combination in *; cbn [combine map fold_right fst snd];
+  induction ws as [|w ws IH]; intros [|p points]; unfold convex_combination in *; cbn [combine map fold_right fst snd];
     try (rewrite (total_eq n _ (fun _ => 0)) by (intros; ring); apply total_zero).
-  rewrite <- IH, <- total_scal, <- total_plus. apply total_eq. intros; ring.
+  rewrite <- IH, <- total_scale, <- total_plus. apply total_eq. intros; ring.
 Qed.
 
-Lemma combined_le (A : Type) (g : A -> R) m : forall ws (l : list A), (forall w, In w ws -> 0 <= w) -> (forall a, In a l -> g a <= m) -> length ws = length l ->
+Lemma weighted_sum_below (A : Type) (g : A -> R) m : forall ws (l : list A), (forall w, In w ws -> 0 <= w) -> (forall a, In a l -> g a <= m) -> length ws = length l ->
   fold_right Rplus 0 (map (fun wp => fst wp * g (snd wp)) (combine ws l)) <= fold_right Rplus 0 ws * m.
 Proof.
   induction ws as [|w ws IH]; intros [|a l] W G Len; cbn in *; try easy; [lra|].
   assert (B := IH l ltac:(auto) ltac:(auto) ltac:(lia)). assert (w * g a <= w * m) by (apply Rmult_le_compat_l; auto). lra.
 Qed.
 
-Lemma joined_ok n q : forall faces ms, within_faces n faces q ->
-  total n (fun i => Q2R (joined faces ms i) * q i) <= Q2R (offset faces ms).
+Lemma combined_half_space_holds n q : forall faces ms, within_half_spaces n faces q ->
+  total n (fun i => Q2R (combined_normal faces ms i) * q i) <= Q2R (combined_offset faces ms).
 Proof.
   assert (Z0 : Q2R 0 = 0) by (unfold Q2R; cbn; lra).
-  induction faces as [|f faces IH]; intros [|m ms] H; cbn [joined offset]; rewrite ?Z0;
+  induction faces as [|f faces IH]; intros [|m ms] H; cbn [combined_normal combined_offset]; rewrite ?Z0;
     try (rewrite (total_eq n _ (fun _ => 0)) by (intros; ring); rewrite total_zero; lra).
-  rewrite Q2R_plus, Q2R_mult. specialize (IH ms ltac:(intros g G; apply H; now right)). destruct (max_R 0 m) as [M _]. rewrite Z0 in M.
-  rewrite (total_eq n _ (fun i => Q2R (Qmax 0 m) * (at_ (fst f) i * q i) + Q2R (joined faces ms i) * q i)).
-  - rewrite total_plus, total_scal. apply Rplus_le_compat; [apply Rmult_le_compat_l; [exact M|apply H; now left]|exact IH].
-  - intros i _. rewrite Q2R_plus, Q2R_mult. unfold at_. ring.
+  rewrite Q2R_plus, Q2R_mult. specialize (IH ms ltac:(intros g G; apply H; now right)). destruct (Qmax_bounds 0 m) as [M _]. rewrite Z0 in M.
+  rewrite (total_eq n _ (fun i => Q2R (Qmax 0 m) * (real_at (fst f) i * q i) + Q2R (combined_normal faces ms i) * q i)).
+  - rewrite total_plus, total_scale. apply Rplus_le_compat; [apply Rmult_le_compat_l; [exact M|apply H; now left]|exact IH].
+  - intros i _. rewrite Q2R_plus, Q2R_mult. unfold real_at. ring.
 Qed.
 
-Lemma core_support_ok n v ms c q : in_core n c q -> total n (fun i => Q2R (v i) * q i) <= Q2R (core_support n v ms c).
+Lemma core_support_bounds n v ms c q : in_core n c q -> total n (fun i => Q2R (v i) * q i) <= Q2R (core_support_bound n v ms c).
 Proof.
-  destruct c as [points|room faces]; cbn [in_core core_support].
+  destruct c as [points|room faces]; cbn [in_core core_support_bound].
   - intros (ws & Len & Pos & One & Hq).
-    rewrite (total_eq n _ (fun i => Q2R (v i) * combination ws points i)) by (intros i Hi; now rewrite Hq).
-    rewrite combination_total. set (m := greatest _). replace (Q2R m) with (fold_right Rplus 0 ws * Q2R m) by (rewrite One; ring).
-    apply (combined_le _ (fun p => total n (fun i => Q2R (v i) * at_ p i))); [exact Pos| |exact Len].
-    intros p Hp. eapply Rle_trans; [|apply greatest_ok, (in_map _ _ _ Hp)]. cbv beta. rewrite total_Q_ok. apply total_le. intros i _. rewrite weigh_ok. unfold at_. lra.
+    rewrite (total_eq n _ (fun i => Q2R (v i) * convex_combination ws points i)) by (intros i Hi; now rewrite Hq).
+    rewrite total_of_convex_combination. set (m := maximum _). replace (Q2R m) with (fold_right Rplus 0 ws * Q2R m) by (rewrite One; ring).
+    apply (weighted_sum_below _ (fun p => total n (fun i => Q2R (v i) * real_at p i))); [exact Pos| |exact Len].
+    intros p Hp. eapply Rle_trans; [|apply maximum_bounds, (in_map _ _ _ Hp)]. cbv beta. rewrite total_rational_value. apply total_le. intros i _. rewrite product_skipping_zero_value. unfold real_at. lra.
   - intros [B F]. rewrite Q2R_plus.
-    rewrite (total_eq n _ (fun i => Q2R (joined faces ms i) * q i + Q2R (Qred (v i - joined faces ms i)) * q i)).
-    + rewrite total_plus. apply Rplus_le_compat; [now apply joined_ok|now apply box_support_ok].
+    rewrite (total_eq n _ (fun i => Q2R (combined_normal faces ms i) * q i + Q2R (Qred (v i - combined_normal faces ms i)) * q i)).
+    + rewrite total_plus. apply Rplus_le_compat; [now apply combined_half_space_holds|now apply box_support_bounds].
     + intros i _. rewrite (Qeq_eqR _ _ (Qred_correct _)), Q2R_minus. ring.
 Qed.
 
-Lemma cauchy n u w : (total n (fun i => u i * w i))^2 <= total n (fun i => (u i)^2) * total n (fun i => (w i)^2).
+Lemma cauchy_schwarz n u w : (total n (fun i => u i * w i))^2 <= total n (fun i => (u i)^2) * total n (fun i => (w i)^2).
 Proof.
   induction n; cbn [total]; [lra|].
   set (A := total n (fun i => u i * w i)) in *. set (S := total n (fun i => (u i)^2)) in *. set (T := total n (fun i => (w i)^2)) in *.
@@ -226,12 +226,12 @@ Proof.
     assert (0 <= (a * T - b * A)^2) by apply pow2_ge_0. assert (b^2 * A^2 <= b^2 * (S * T)) by (apply Rmult_le_compat_l; [apply pow2_ge_0|exact IHn]). nra.
 Qed.
 
-Lemma squares_ok n v axes : IZR (squares n v axes) = total n (fun i => (if existsb (Nat.eqb i) axes then IZR (v i) else 0)^2).
-Proof. induction n; cbn [squares total]; [reflexivity|]. rewrite plus_IZR, IHn. destruct existsb; rewrite ?mult_IZR; ring. Qed.
+Lemma sum_of_squares_value n v axes : IZR (sum_of_squares n v axes) = total n (fun i => (if existsb (Nat.eqb i) axes then IZR (v i) else 0)^2).
+Proof. induction n; cbn [sum_of_squares total]; [reflexivity|]. rewrite plus_IZR, IHn. destruct existsb; rewrite ?mult_IZR; ring. Qed.
 
-Lemma norm_up_ok n v axes : 0 <= Q2R (norm_up n v axes) /\ IZR (squares n v axes) <= (Q2R (norm_up n v axes))^2.
+Lemma euclidean_norm_above_bounds n v axes : 0 <= Q2R (euclidean_norm_above n v axes) /\ IZR (sum_of_squares n v axes) <= (Q2R (euclidean_norm_above n v axes))^2.
 Proof.
-  unfold norm_up. set (s := squares n v axes). set (w := Z.sqrt_up (s * 2 ^ 64)). assert (W := Z.sqrt_up_nonneg (s * 2 ^ 64)). fold w in W.
+  unfold euclidean_norm_above. set (s := sum_of_squares n v axes). set (w := Z.sqrt_up (s * 2 ^ 64)). assert (W := Z.sqrt_up_nonneg (s * 2 ^ 64)). fold w in W.
   assert (V : Q2R (w # 4294967296) = IZR w * / 4294967296) by reflexivity. rewrite V.
   assert (W' := IZR_le _ _ W). split; [apply Rmult_le_pos; lra|].
   assert (H : (s * 2 ^ 64 <= w * w)%Z).
@@ -239,15 +239,15 @@ Proof.
   apply IZR_le in H. rewrite !mult_IZR in H. change (IZR (2 ^ 64)) with 18446744073709551616 in H. nra.
 Qed.
 
-Lemma ball_ok n v axes r rho : (forall i, (i < n)%nat -> ~ In i axes -> r i = 0) -> total n (fun i => (r i)^2) <= rho^2 ->
-  total n (fun i => IZR (v i) * r i) <= Rabs rho * Q2R (norm_up n v axes).
+Lemma ball_support_bounds n v axes r rho : (forall i, (i < n)%nat -> ~ In i axes -> r i = 0) -> total n (fun i => (r i)^2) <= rho^2 ->
+  total n (fun i => IZR (v i) * r i) <= Rabs rho * Q2R (euclidean_norm_above n v axes).
 Proof.
   intros O B. set (own := fun i => if existsb (Nat.eqb i) axes then IZR (v i) else 0).
   rewrite (total_eq n _ (fun i => own i * r i)).
-  - destruct (norm_up_ok n v axes) as [W S]. rewrite squares_ok in S. fold own in S. assert (C := cauchy n own r).
+  - destruct (euclidean_norm_above_bounds n v axes) as [W S]. rewrite sum_of_squares_value in S. fold own in S. assert (C := cauchy_schwarz n own r).
     change (fun i => (if existsb (Nat.eqb i) axes then IZR (v i) else 0)^2) with (fun i => (own i)^2) in S.
     set (A := total n (fun i => own i * r i)) in *. set (T := total n (fun i => (own i)^2)) in *. set (R := total n (fun i => (r i)^2)) in *.
-    set (w := Q2R (norm_up n v axes)) in *. assert (P := Rabs_pos rho).
+    set (w := Q2R (euclidean_norm_above n v axes)) in *. assert (P := Rabs_pos rho).
     assert (E : A^2 <= (Rabs rho * w)^2).
     { rewrite Rpow_mult_distr, <- Rsqr_pow2 with (x := Rabs rho), <- Rsqr_abs, Rsqr_pow2. apply Rle_trans with (1 := C). rewrite Rmult_comm.
       apply Rmult_le_compat; [|unfold T|exact B|exact S]; [unfold R|]; rewrite <- (total_zero n); apply total_le; intros; apply pow2_ge_0. }
@@ -256,19 +256,19 @@ Proof.
     rewrite O; [ring|exact Hi|]. intro I. assert (existsb (Nat.eqb i) axes = true) by (apply existsb_exists; exists i; split; [exact I|apply Nat.eqb_refl]). congruence.
 Qed.
 
-Lemma Q2R_whole z : Q2R (inject_Z z) = IZR z. Proof. unfold Q2R; cbn; lra. Qed.
+Lemma Q2R_integer z : Q2R (inject_Z z) = IZR z. Proof. unfold Q2R; cbn; lra. Qed.
 
-Theorem support_ok n v ms o y : in_set n o y -> total n (fun i => IZR (v i) * y i) <= Q2R (support n v ms o).
+Theorem support_bounds n normal multipliers set y : in_set n set y -> total n (fun i => IZR (normal i) * y i) <= Q2R (support_bound n normal multipliers set).
 Proof.
-  intros (q & b & r & Hq & Hb & Ho & Hr & Y). unfold support. rewrite !Q2R_plus, Q2R_mult.
-  rewrite (total_eq n _ (fun i => (Q2R (inject_Z (v i)) * q i + Q2R (inject_Z (v i)) * b i) + IZR (v i) * r i)).
+  intros (q & b & r & Hq & Hb & Ho & Hr & Y). unfold support_bound. rewrite !Q2R_plus, Q2R_mult.
+  rewrite (total_eq n _ (fun i => (Q2R (inject_Z (normal i)) * q i + Q2R (inject_Z (normal i)) * b i) + IZR (normal i) * r i)).
   - rewrite !total_plus. apply Rplus_le_compat; [apply Rplus_le_compat|].
-    + now apply core_support_ok.
-    + now apply box_support_ok.
-    + assert (E : Q2R (Qabs (radius o)) = Rabs (Q2R (radius o))).
-      { destruct (Qlt_le_dec (radius o) 0) as [L|L].
+    + now apply core_support_bounds.
+    + now apply box_support_bounds.
+    + assert (E : Q2R (Qabs (ball_radius set)) = Rabs (Q2R (ball_radius set))).
+      { destruct (Qlt_le_dec (ball_radius set) 0) as [L|L].
         - rewrite (Qeq_eqR _ _ (Qabs_neg _ (Qlt_le_weak _ _ L))), Q2R_opp. apply Qlt_Rlt in L. replace (Q2R 0) with 0 in L by (unfold Q2R; cbn; lra). rewrite Rabs_left; lra.
         - rewrite (Qeq_eqR _ _ (Qabs_pos _ L)). apply Qle_Rle in L. replace (Q2R 0) with 0 in L by (unfold Q2R; cbn; lra). rewrite Rabs_pos_eq; lra. }
-      rewrite E. now apply ball_ok.
-  - intros i Hi. rewrite (Y i Hi), Q2R_whole. ring.
+      rewrite E. now apply ball_support_bounds.
+  - intros i Hi. rewrite (Y i Hi), Q2R_integer. ring.
 Qed.

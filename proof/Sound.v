@@ -3,54 +3,54 @@
 From Coq Require Import ZArith QArith Qreals Qminmax Qabs Reals List Bool Lia Lra String.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
-From Stt Require Import Tube Loop Speed Rounding Emitted EmittedTube Held HeldLaw Windows Period Syntax Read Run Emission Control Semantics Edge Law Controller.
+From Stt Require Import Tube Loop Speed Rounding Emitted EmittedTube HeldInputs HeldInputLaw Windows Period Syntax Read Run Emission Control Semantics Edge Law Controller.
 Import ListNotations.
 Open Scope R_scope.
 
 (* What is said of samples and of the plant xdot_i = f_i + sum over j of g_ij u_j; lists are by component. *)
 Record conditions := Conditions {
-  period : Q;            (* seconds between samples, at most *)
-  latency : Q;           (* seconds from a sample to its input, at most *)
-  share : Q;             (* |e(0)|, at most *)
-  noise : Q;             (* of each measured x, besides its rounding *)
-  forces : list Q;       (* |f_i|, drift and disturbance, at most *)
-  least_gains : list Q;  (* g_ii, at least *)
-  most_gains : list Q;   (* g_ii, at most *)
-  cross_gains : list Q   (* |g_ij| for other j, at most *)
+  sampling_period : Q;            (* seconds between samples, at most *)
+  input_delay : Q;           (* seconds from a sample to its input, at most *)
+  start_share : Q;             (* |e(0)|, at most *)
+  sensor_noise : Q;             (* of each measured x, besides its rounding *)
+  forces_max : list Q;       (* |f_i|, drift and disturbance, at most *)
+  diagonal_gains_min : list Q;  (* g_ii, at least *)
+  diagonal_gains_max : list Q;   (* g_ii, at most *)
+  cross_gains_max : list Q   (* |g_ij| for other j, at most *)
 }.
-Definition at_most_each (v : Q) (l : list Q) : bool := forallb (fun w => Qle_bool v w) l.
+Definition at_most_all (v : Q) (l : list Q) : bool := forallb (fun w => Qle_bool v w) l.
 
 (* The largest coordinate of the state space: a float near it is rounded by half_ulp times that. *)
-Definition farthest (b : box) : Q := fold_right (fun v m => Qmax (Qabs v) m) 0%Q (lo b ++ hi b).
+Definition largest_coordinate (b : box) : Q := fold_right (fun v m => Qmax (Qabs v) m) 0%Q (lower_corner b ++ upper_corner b).
 (* What a measured state is wrong by at most. *)
-Definition sensed (f : format) (task : Tube.task) (d : conditions) : Q := (noise d + half_ulp f * farthest (space task))%Q.
+Definition sensor_error (f : format) (spec : Tube.task) (conds : conditions) : Q := (sensor_noise conds + half_ulp f * largest_coordinate (state_space spec))%Q.
 
 (* What a function of the text stores for component i, called with a time or a count of ticks and with the state x; 0 where it would not run. *)
-Definition stored_by (f : format) (log_ : binary_float (precision f) (largest_exponent f) -> binary_float (precision f) (largest_exponent f))
-  (k : constants) (program : source) (name : string) (v : Run.value (machine (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) log_))
+Definition stored_input (f : format) (log_ : binary_float (precision f) (largest_exponent f) -> binary_float (precision f) (largest_exponent f))
+  (consts : constants) (program : source) (name : string) (v : Run.c_value (machine (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_))
   (x : nat -> binary_float (precision f) (largest_exponent f)) (i : nat) : R :=
-  let A := machine (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) log_ in
-  match execute A (log_name k) program name [v] (places_of A k (fun z => x (Z.to_nat z))) with
-  | Some (out, _) => match stored (A := A) "u" (Z.of_nat i) out with Some v => @B2R (precision f) (largest_exponent f) v | None => 0 end
+  let A := machine (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_ in
+  match execute A (log_name consts) program name [v] (caller_arrays A consts (fun z => x (Z.to_nat z))) with
+  | Some (out, _) => match last_stored (A := A) "u" (Z.of_nat i) out with Some v => @B2R (precision f) (largest_exponent f) v | None => 0 end
   | None => 0
   end.
-Definition applied f log_ k program (t : binary_float (precision f) (largest_exponent f)) x i : R :=
-  stored_by f log_ k program "@control" (@R_ (machine (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) log_) t) x i.
-Definition applied_at_tick f log_ k program (tick : Z) x i : R :=
-  stored_by f log_ k program "@control_tick" (@U_ (machine (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) log_) tick) x i.
+Definition applied_input f log_ consts program (t : binary_float (precision f) (largest_exponent f)) x i : R :=
+  stored_input f log_ consts program "@control" (@RealValue (machine (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_) t) x i.
+Definition applied_input_at_tick f log_ consts program (tick : Z) x i : R :=
+  stored_input f log_ consts program "@control_tick" (@UnsignedValue (machine (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_) tick) x i.
 
 (* What `period_check` decides on: the law as the text has it, the conditions, and two lists, of the certificate or chosen: rho, and what a distance that the law
    sees is wrong by. *)
-Definition sampled_by (n : nat) (d : conditions) (lost : Q) (gains clamps : list Q) (limits : list (option Q)) (rhos shifts : list Q) : sampling :=
-  Sampling (period d + latency d) (latency d) (share d) lost (map (fun i =>
-    Component (nth i gains 0) (nth i clamps 0) (nth i limits None) (nth i rhos 0) (nth i (forces d) 0) (nth i (least_gains d) 0) (nth i (most_gains d) 0)
-      (nth i (cross_gains d) 0) (nth i shifts 0)) (seq 0 n))%Q.
-Lemma sampled_part n d lost gains clamps limits rhos shifts i : (i < n)%nat -> part (sampled_by n d lost gains clamps limits rhos shifts) i =
-  (Component (nth i gains 0) (nth i clamps 0) (nth i limits None) (nth i rhos 0) (nth i (forces d) 0) (nth i (least_gains d) 0) (nth i (most_gains d) 0)
-    (nth i (cross_gains d) 0) (nth i shifts 0))%Q.
+Definition sampling_of (n : nat) (conds : conditions) (law_error : Q) (gains clamp_shares : list Q) (limits : list (option Q)) (rhos shifts : list Q) : sampling :=
+  Sampling (sampling_period conds + input_delay conds) (input_delay conds) (start_share conds) law_error (map (fun i =>
+    Component (nth i gains 0) (nth i clamp_shares 0) (nth i limits None) (nth i rhos 0) (nth i (forces_max conds) 0) (nth i (diagonal_gains_min conds) 0) (nth i (diagonal_gains_max conds) 0)
+      (nth i (cross_gains_max conds) 0) (nth i shifts 0)) (seq 0 n))%Q.
+Lemma sampling_of_component n conds law_error gains clamp_shares limits rhos shifts i : (i < n)%nat -> component_at (sampling_of n conds law_error gains clamp_shares limits rhos shifts) i =
+  (Component (nth i gains 0) (nth i clamp_shares 0) (nth i limits None) (nth i rhos 0) (nth i (forces_max conds) 0) (nth i (diagonal_gains_min conds) 0) (nth i (diagonal_gains_max conds) 0)
+    (nth i (cross_gains_max conds) 0) (nth i shifts 0))%Q.
 Proof.
-  intro H. unfold part, sampled_by. cbn [components].
-  match goal with |- nth i (map ?g (seq 0 n)) nobody = _ => rewrite (nth_indep _ nobody (g 0%nat)) by (rewrite map_length, seq_length; exact H); rewrite (map_nth g) end.
+  intro H. unfold component_at, sampling_of. cbn [components].
+  match goal with |- nth i (map ?g (seq 0 n)) zero_component = _ => rewrite (nth_indep _ zero_component (g 0%nat)) by (rewrite map_length, seq_length; exact H); rewrite (map_nth g) end.
   now rewrite seq_nth by exact H.
 Qed.
 
@@ -62,92 +62,92 @@ Section Sound.
   Notation value := (@B2R prec emax).
 
   (* the text, as read, and the checks *)
-  Variables (k : constants) (coefficients : list decimal) (lines : list string).
-  Variables (unit err : Q) (how : search) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (sc : scale) (late : Q) (gains clamps : list Q) (limits : list (option Q)).
-  Variables (d : conditions) (rhos shifts : list Q) (hints : list (list (Q * Q))) (cuts : nat).
-  Let s := sampled_by (n task) d (loss f k) gains clamps limits rhos shifts.
-  Hypothesis tube_checked : check unit err how task rows = true.
-  Hypothesis slopes_checked : slopes err task rows Vs = true.
-  Hypothesis rounding_checked : rounding_check f unit err task rows Vs sc late = true.
-  Hypothesis constants_checked : constants_check f k coefficients unit task rows sc gains clamps limits = true.
-  Hypothesis period_checked : period_check unit task rows s hints cuts err = true.
-  Hypothesis sensors_checked : at_most_each (sensed f task d + err) (map shift (components s)) = true.
-  Let program := Source lines (emitted_tables k coefficients) (Emission.emitted k).
+  Variables (consts : constants) (coefficients : list decimal) (directive_lines : list string).
+  Variables (unit edge_error : Q) (plan : search_plan) (spec : Tube.task) (rows : Tube.table) (step_maxima : list Z) (scale : time_scale) (time_error : Q) (gains clamp_shares : list Q) (limits : list (option Q)).
+  Variables (conds : conditions) (rhos shifts : list Q) (hints : list (list (Q * Q))) (cell_count : nat).
+  Let sampling := sampling_of (n spec) conds (law_loss f consts) gains clamp_shares limits rhos shifts.
+  Hypothesis tube_checked : tube_check unit edge_error plan spec rows = true.
+  Hypothesis slopes_checked : slopes_check edge_error spec rows step_maxima = true.
+  Hypothesis rounding_checked : rounding_check f unit edge_error spec rows step_maxima scale time_error = true.
+  Hypothesis constants_checked : constants_check f consts coefficients unit spec rows scale gains clamp_shares limits = true.
+  Hypothesis period_checked : period_check unit spec rows sampling hints cell_count edge_error = true.
+  Hypothesis sensors_checked : at_most_all (sensor_error f spec conds + edge_error) (map component_distance_error (components sampling)) = true.
+  Let program := Source directive_lines (emitted_tables consts coefficients) (Emission.emitted_functions consts).
 
   (* the library's logarithm, where the text calls it *)
   Variable log_ : number -> number.
-  Hypothesis log_accurate : written_out k = false -> accurate prec emax log_.
+  Hypothesis log_accurate : has_inline_log consts = false -> accurate prec emax log_.
 
   (* inputs are computed from samples, and act from one switch to the next *)
-  Variables (taken switch : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R).
+  Variables (sampled_at acts_from : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R).
   Variable measured : nat -> nat -> number.
-  Let L (i : nat) (t : R) := Tube.lower unit task rows i t.
-  Let U (i : nat) (t : R) := Tube.upper unit task rows i t.
+  Let L (i : nat) (t : R) := Tube.lower unit spec rows i t.
+  Let U (i : nat) (t : R) := Tube.upper unit spec rows i t.
 
-  Hypothesis times : switch 0%nat = 0 /\ forall p, 0 <= taken p <= switch p /\ switch p < switch (S p) /\
-    switch (S p) - taken p <= Q2R (period d) + Q2R (latency d) /\ switch p - taken p <= Q2R (latency d).
-  Hypothesis measures : forall p i, (i < n task)%nat -> is_finite (measured p i) = true /\ Rabs (value (measured p i)) <= 1073741824 /\
-    Rabs (value (measured p i) - x i (taken p)) <= Q2R (sensed f task d).
-  Hypothesis x_cont : forall i t, (i < n task)%nat -> continuity_pt (x i) t.
-  Hypothesis x_start : forall i, (i < n task)%nat -> Rabs (2 * x i 0 - L i 0 - U i 0) <= Q2R (share d) * (U i 0 - L i 0).
+  Hypothesis times_ordered : acts_from 0%nat = 0 /\ forall p, 0 <= sampled_at p <= acts_from p /\ acts_from p < acts_from (S p) /\
+    acts_from (S p) - sampled_at p <= Q2R (sampling_period conds) + Q2R (input_delay conds) /\ acts_from p - sampled_at p <= Q2R (input_delay conds).
+  Hypothesis measurements_near : forall p i, (i < n spec)%nat -> is_finite (measured p i) = true /\ Rabs (value (measured p i)) <= 1073741824 /\
+    Rabs (value (measured p i) - x i (sampled_at p)) <= Q2R (sensor_error f spec conds).
+  Hypothesis x_continuous : forall i t, (i < n spec)%nat -> continuity_pt (x i) t.
+  Hypothesis x_starts_in_share : forall i, (i < n spec)%nat -> Rabs (2 * x i 0 - L i 0 - U i 0) <= Q2R (start_share conds) * (U i 0 - L i 0).
   Definition plant_within (input : nat -> nat -> R) : Prop :=
-    forall p t, switch p < t < switch (S p) -> (forall i, (i < n task)%nat -> L i t < x i t < U i t) -> forall i, (i < n task)%nat ->
-    is_derive (x i) t (push i t + total (n task) (fun j => G i j t * input p j)) /\
-    Rabs (push i t) <= at_ (forces d) i /\ at_ (least_gains d) i <= G i i t <= at_ (most_gains d) i /\
-    forall j, (j < n task)%nat -> j <> i -> Rabs (G i j t) <= at_ (cross_gains d) i.
-  Definition reached : Prop := forall p t, 0 <= t <= switch p ->
-    (forall i, (i < n task)%nat -> Rabs (2 * x i t - L i t - U i t) <= (at_ rhos i - 1) / (at_ rhos i + 1) * (U i t - L i t)) /\
-    in_space task (fun i => x i t) /\
-    (forall o, In o (unsafe task) -> clear (n task) (Q2R (clearance task)) o (fun i => x i t)) /\
-    (Q2R (T task) <= t -> in_target task (fun i => x i t)).
+    forall p t, acts_from p < t < acts_from (S p) -> (forall i, (i < n spec)%nat -> L i t < x i t < U i t) -> forall i, (i < n spec)%nat ->
+    is_derive (x i) t (push i t + total (n spec) (fun j => G i j t * input p j)) /\
+    Rabs (push i t) <= real_at (forces_max conds) i /\ real_at (diagonal_gains_min conds) i <= G i i t <= real_at (diagonal_gains_max conds) i /\
+    forall j, (j < n spec)%nat -> j <> i -> Rabs (G i j t) <= real_at (cross_gains_max conds) i.
+  Definition reach_avoid_stay_holds : Prop := forall p t, 0 <= t <= acts_from p ->
+    (forall i, (i < n spec)%nat -> Rabs (2 * x i t - L i t - U i t) <= (real_at rhos i - 1) / (real_at rhos i + 1) * (U i t - L i t)) /\
+    in_space spec (fun i => x i t) /\
+    (forall o, In o (unsafe_sets spec) -> clear (n spec) (Q2R (clearance spec)) o (fun i => x i t)) /\
+    (Q2R (t_c spec) <= t -> in_target spec (fun i => x i t)).
 
   (* For what a function of the text stores, whose edges at sample p are near the exact ones of its time. *)
-  Lemma stored_sound name (v : nat -> Run.value (machine prec emax (Edge.pos_ f) (Edge.below_ f) log_)) (low high : nat -> nat -> R) :
-    (forall p i, (i < n task)%nat -> Rabs (low p i - L i (taken p)) <= Q2R err /\ Rabs (high p i - U i (taken p)) <= Q2R err) ->
-    (forall p, acts_between f k coefficients lines task gains clamps limits log_ (measured p) name (v p) (low p) (high p)) ->
-    plant_within (fun p i => stored_by f log_ k program name (v p) (measured p) i) -> reached.
+  Lemma stored_inputs_reach_avoid_stay name (v : nat -> Run.c_value (machine prec emax (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_)) (low high : nat -> nat -> R) :
+    (forall p i, (i < n spec)%nat -> Rabs (low p i - L i (sampled_at p)) <= Q2R edge_error /\ Rabs (high p i - U i (sampled_at p)) <= Q2R edge_error) ->
+    (forall p, runs_as_law f consts coefficients directive_lines spec gains clamp_shares limits log_ (measured p) name (v p) (low p) (high p)) ->
+    plant_within (fun p i => stored_input f log_ consts program name (v p) (measured p) i) -> reach_avoid_stay_holds.
   Proof.
-    intros Near Acts plant. set (input := fun p i => stored_by f log_ k program name (v p) (measured p) i) in plant.
-    assert (Part : forall i, (i < n task)%nat -> part s i = (Component (nth i gains 0) (nth i clamps 0) (nth i limits None) (nth i rhos 0) (nth i (forces d) 0)
-      (nth i (least_gains d) 0) (nth i (most_gains d) 0) (nth i (cross_gains d) 0) (nth i shifts 0))%Q) by (intros; now apply sampled_part).
-    assert (Tau : Q2R (tau_of s) = Q2R (period d) + Q2R (latency d)) by apply Q2R_plus.
+    intros Near Acts plant. set (input := fun p i => stored_input f log_ consts program name (v p) (measured p) i) in plant.
+    assert (Part : forall i, (i < n spec)%nat -> component_at sampling i = (Component (nth i gains 0) (nth i clamp_shares 0) (nth i limits None) (nth i rhos 0) (nth i (forces_max conds) 0)
+      (nth i (diagonal_gains_min conds) 0) (nth i (diagonal_gains_max conds) 0) (nth i (cross_gains_max conds) 0) (nth i shifts 0))%Q) by (intros; now apply sampling_of_component).
+    assert (Tau : Q2R (sampling_age_max sampling) = Q2R (sampling_period conds) + Q2R (input_delay conds)) by apply Q2R_plus.
     intros p t Ht.
-    destruct (samples_reach_avoid_stay unit err how task rows Vs s hints cuts tube_checked slopes_checked period_checked
-      taken switch low high x (fun p i => value (measured p i)) input push G) with (p := p) (t := t) as (K1 & K2); auto.
-    - rewrite Tau. exact times.
-    - intros q i Hi. destruct (measures q i Hi) as (_ & _ & M). eapply Rle_trans; [exact M|].
-      pose proof sensors_checked as H. unfold at_most_each in H. rewrite forallb_forall in H.
-      assert (I : In (shift (part s i)) (map shift (components s))).
-      { apply in_map. unfold part. apply nth_In. unfold s, sampled_by. cbn [components]. now rewrite map_length, seq_length. }
-      apply H, Qle_true in I. rewrite Q2R_plus in I. lra.
+    destruct (sampled_loop_reach_avoid_stay unit edge_error plan spec rows step_maxima sampling hints cell_count tube_checked slopes_checked period_checked
+      sampled_at acts_from low high x (fun p i => value (measured p i)) input push G) with (p := p) (t := t) as (K1 & K2); auto.
+    - rewrite Tau. exact times_ordered.
+    - intros q i Hi. destruct (measurements_near q i Hi) as (_ & _ & M). eapply Rle_trans; [exact M|].
+      pose proof sensors_checked as H. unfold at_most_all in H. rewrite forallb_forall in H.
+      assert (I : In (component_distance_error (component_at sampling i)) (map component_distance_error (components sampling))).
+      { apply in_map. unfold component_at. apply nth_In. unfold sampling, sampling_of. cbn [components]. now rewrite map_length, seq_length. }
+      apply H, Qle_bool_to_R in I. rewrite Q2R_plus in I. lra.
     - intros q i Hi. destruct (Acts q) as (out & status & E & _ & _ & St).
       destruct (St i Hi) as (w & V1 & _ & V3).
-      assert (In : input q i = value w) by (unfold input, stored_by, program; rewrite E, V1; reflexivity).
-      rewrite (Part i Hi), In. cbn [Period.gain clamped limit]. exact V3.
+      assert (In : input q i = value w) by (unfold input, stored_input, program; rewrite E, V1; reflexivity).
+      rewrite (Part i Hi), In. cbn [Period.component_gain component_clamp_share component_u_limit]. exact V3.
     - intros q r Hr Hin i Hi. rewrite (Part i Hi). exact (plant q r Hr Hin i Hi).
     - split; [|exact K2]. intros i Hi. specialize (K1 i Hi). rewrite (Part i Hi) in K1. exact K1.
   Qed.
 
   (* `control`, for a clock that shows the time, right or rounded once; *)
-  Theorem controller_sound (clock : nat -> number) : (forall p, is_finite (clock p) = true /\ reads f (value (clock p)) (taken p)) ->
-    plant_within (fun p i => applied f log_ k program (clock p) (measured p) i) -> reached.
+  Theorem controller_sound (clock : nat -> number) : (forall p, is_finite (clock p) = true /\ clock_shows f (value (clock p)) (sampled_at p)) ->
+    plant_within (fun p i => applied_input f log_ consts program (clock p) (measured p) i) -> reach_avoid_stay_holds.
   Proof.
-    intros clock_reads. destruct (emission_near f unit err how task rows Vs sc late tube_checked slopes_checked rounding_checked) as [Time Near].
-    apply (stored_sound "@control" (fun p => @R_ (machine prec emax (Edge.pos_ f) (Edge.below_ f) log_) (clock p)) (fun p i => EmittedTube.emitted f unit rows sc fst i (value (clock p))) (fun p i => EmittedTube.emitted f unit rows sc snd i (value (clock p)))).
+    intros clock_reads. destruct (emitted_edges_near f unit edge_error plan spec rows step_maxima scale time_error tube_checked slopes_checked rounding_checked) as [Time Near].
+    apply (stored_inputs_reach_avoid_stay "@control" (fun p => @RealValue (machine prec emax (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_) (clock p)) (fun p i => EmittedTube.emitted_edge f unit rows scale fst i (value (clock p))) (fun p i => EmittedTube.emitted_edge f unit rows scale snd i (value (clock p)))).
     - intros p i Hi. exact (Near i _ _ Hi (Time _ _ (proj2 (clock_reads p)))).
-    - intro p. exact (control_acts f k coefficients lines unit err how task rows Vs sc late gains clamps limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
-        (measured p) (fun j Hj => proj1 (measures p j Hj)) (fun j Hj => proj1 (proj2 (measures p j Hj))) (clock p) (proj1 (clock_reads p)) (taken p) (proj2 (clock_reads p))).
+    - intro p. exact (control_runs_as_law f consts coefficients directive_lines unit edge_error plan spec rows step_maxima scale time_error gains clamp_shares limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
+        (measured p) (fun j Hj => proj1 (measurements_near p j Hj)) (fun j Hj => proj1 (proj2 (measurements_near p j Hj))) (clock p) (proj1 (clock_reads p)) (sampled_at p) (proj2 (clock_reads p))).
   Qed.
 
   (* and `control_tick`, for samples that are taken at counts of ticks. *)
-  Theorem controller_tick_sound (tick_period : Q) (tick : nat -> Z) : tick_constants_check f k task rows late tick_period = true ->
-    (forall p, (0 <= tick p <= 4294967295)%Z /\ taken p = IZR (tick p) * Q2R tick_period) ->
-    plant_within (fun p i => applied_at_tick f log_ k program (tick p) (measured p) i) -> reached.
+  Theorem controller_tick_sound (tick_period : Q) (tick : nat -> Z) : tick_constants_check f consts spec rows time_error tick_period = true ->
+    (forall p, (0 <= tick p <= 4294967295)%Z /\ sampled_at p = IZR (tick p) * Q2R tick_period) ->
+    plant_within (fun p i => applied_input_at_tick f log_ consts program (tick p) (measured p) i) -> reach_avoid_stay_holds.
   Proof.
-    intros Checked Ticks. destruct (emission_near f unit err how task rows Vs sc late tube_checked slopes_checked rounding_checked) as [_ Near].
-    apply (stored_sound "@control_tick" (fun p => @U_ (machine prec emax (Edge.pos_ f) (Edge.below_ f) log_) (tick p)) (fun p i => at_place f unit rows fst i (tick_place_of f k rows (tick p))) (fun p i => at_place f unit rows snd i (tick_place_of f k rows (tick p)))).
-    - intros p i Hi. destruct (Ticks p) as [[T0 _] ->]. exact (Near i _ _ Hi (tick_place_fits f k unit err how task rows late tube_checked tick_period (tick p) Checked T0)).
-    - intro p. exact (control_tick_acts f k coefficients lines unit err how task rows Vs sc late gains clamps limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
-        (measured p) (fun j Hj => proj1 (measures p j Hj)) (fun j Hj => proj1 (proj2 (measures p j Hj))) tick_period (tick p) Checked (proj1 (Ticks p))).
+    intros Checked Ticks. destruct (emitted_edges_near f unit edge_error plan spec rows step_maxima scale time_error tube_checked slopes_checked rounding_checked) as [_ Near].
+    apply (stored_inputs_reach_avoid_stay "@control_tick" (fun p => @UnsignedValue (machine prec emax (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_) (tick p)) (fun p i => emitted_edge_at f unit rows fst i (tick_position f consts rows (tick p))) (fun p i => emitted_edge_at f unit rows snd i (tick_position f consts rows (tick p)))).
+    - intros p i Hi. destruct (Ticks p) as [[T0 _] ->]. exact (Near i _ _ Hi (tick_position_fits_time f consts unit edge_error plan spec rows time_error tube_checked tick_period (tick p) Checked T0)).
+    - intro p. exact (control_tick_runs_as_law f consts coefficients directive_lines unit edge_error plan spec rows step_maxima scale time_error gains clamp_shares limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
+        (measured p) (fun j Hj => proj1 (measurements_near p j Hj)) (fun j Hj => proj1 (proj2 (measurements_near p j Hj))) tick_period (tick p) Checked (proj1 (Ticks p))).
   Qed.
 End Sound.

@@ -13,62 +13,62 @@ Open Scope R_scope.
 (* ------------------------------------------------------------------ the edge, as the emitted code computes it *)
 
 (* control points are already divided by 6 *)
-Definition cubic (q0 q1 q2 q3 : Z) (s : R) : R :=
+Definition cubic_blend (q0 q1 q2 q3 : Z) (s : R) : R :=
   IZR q0 * (1 - s)^3 + IZR q1 * (3*s^3 - 6*s^2 + 4) + IZR q2 * (- 3*s^3 + 3*s^2 + 3*s + 1) + IZR q3 * s^3.
 
 (* segment of spline time u when there are K: floor u, held within 0 .. K-1 *)
-Definition segment (K : nat) (u : R) : nat := Nat.min (Z.to_nat (Zfloor u)) (K - 1).
+Definition segment_index (count : nat) (spline_time : R) : nat := Nat.min (Z.to_nat (Zfloor spline_time)) (count - 1).
 
 Definition spline (q : list Z) (u : R) : R :=
-  let k := segment (length q - 3) u in
-  cubic (nth k q 0%Z) (nth (k+1) q 0%Z) (nth (k+2) q 0%Z) (nth (k+3) q 0%Z) (u - INR k).
+  let k := segment_index (length q - 3) u in
+  cubic_blend (nth k q 0%Z) (nth (k+1) q 0%Z) (nth (k+2) q 0%Z) (nth (k+3) q 0%Z) (u - INR k).
 
 (* a table has one row per control point, and in it a pair (lower, upper) per dimension *)
 Definition table := list (list (Z * Z)).
-Definition column (side : Z * Z -> Z) (i : nat) (rows : table) : list Z := map (fun r => side (nth i r (0, 0)%Z)) rows.
-Definition segments (rows : table) : nat := length rows - 3.
-Definition hold (T t : R) : R := Rmax 0 (Rmin t T).
+Definition edge_column (side : Z * Z -> Z) (i : nat) (rows : table) : list Z := map (fun r => side (nth i r (0, 0)%Z)) rows.
+Definition segment_count (rows : table) : nat := length rows - 3.
+Definition clamped_time (t_c t : R) : R := Rmax 0 (Rmin t t_c).
 
 (* an edge: held at its start before 0 and at its end from T on *)
-Definition edge (unit T : R) (rows : table) (side : Z * Z -> Z) (i : nat) (t : R) : R :=
-  unit * spline (column side i rows) (INR (segments rows) / T * hold T t).
+Definition edge (unit t_c : R) (rows : table) (side : Z * Z -> Z) (i : nat) (t : R) : R :=
+  unit * spline (edge_column side i rows) (INR (segment_count rows) / t_c * clamped_time t_c t).
 
 (* ------------------------------------------------------------------ Bezier coefficients *)
 
-Record bez := Bez { c0 : Z; c1 : Z; c2 : Z; c3 : Z }.
+Record bezier := Bezier { c0 : Z; c1 : Z; c2 : Z; c3 : Z }.
 
-Definition bernstein (c : bez) (s : R) : R :=
+Definition bezier_value (c : bezier) (s : R) : R :=
   IZR (c0 c) * (1-s)^3 + 3 * IZR (c1 c) * (1-s)^2 * s + 3 * IZR (c2 c) * (1-s) * s^2 + IZR (c3 c) * s^3.
 
-Definition to_bez (q0 q1 q2 q3 : Z) : bez :=
-  Bez (q0 + 4*q1 + q2) (4*q1 + 2*q2) (2*q1 + 4*q2) (q1 + 4*q2 + q3).
+Definition bezier_of_spline (q0 q1 q2 q3 : Z) : bezier :=
+  Bezier (q0 + 4*q1 + q2) (4*q1 + 2*q2) (2*q1 + 4*q2) (q1 + 4*q2 + q3).
 
 Ltac izr := repeat (rewrite plus_IZR || rewrite minus_IZR || rewrite mult_IZR || rewrite opp_IZR).
 
-Lemma cubic_bezier q0 q1 q2 q3 s : cubic q0 q1 q2 q3 s = bernstein (to_bez q0 q1 q2 q3) s.
-Proof. unfold cubic, bernstein, to_bez; cbn [c0 c1 c2 c3]; izr; ring. Qed.
+Lemma cubic_blend_is_bezier q0 q1 q2 q3 s : cubic_blend q0 q1 q2 q3 s = bezier_value (bezier_of_spline q0 q1 q2 q3) s.
+Proof. unfold cubic_blend, bezier_value, bezier_of_spline; cbn [c0 c1 c2 c3]; izr; ring. Qed.
 
 (* de Casteljau's halves, times 8: coefficients stay integers, and the bound is multiplied by 8 with each halving. *)
-Definition early (c : bez) : bez :=
-  Bez (8 * c0 c) (4 * (c0 c + c1 c)) (2 * (c0 c + 2 * c1 c + c2 c)) (c0 c + 3 * c1 c + 3 * c2 c + c3 c).
-Definition late (c : bez) : bez :=
-  Bez (c0 c + 3 * c1 c + 3 * c2 c + c3 c) (2 * (c1 c + 2 * c2 c + c3 c)) (4 * (c2 c + c3 c)) (8 * c3 c).
+Definition first_half (c : bezier) : bezier :=
+  Bezier (8 * c0 c) (4 * (c0 c + c1 c)) (2 * (c0 c + 2 * c1 c + c2 c)) (c0 c + 3 * c1 c + 3 * c2 c + c3 c).
+Definition second_half (c : bezier) : bezier :=
+  Bezier (c0 c + 3 * c1 c + 3 * c2 c + c3 c) (2 * (c1 c + 2 * c2 c + c3 c)) (4 * (c2 c + c3 c)) (8 * c3 c).
 
-Lemma early_ok c s : bernstein (early c) s = 8 * bernstein c (s / 2).
-Proof. unfold bernstein, early; cbn [c0 c1 c2 c3]; izr; field. Qed.
-Lemma late_ok c s : bernstein (late c) s = 8 * bernstein c ((1 + s) / 2).
-Proof. unfold bernstein, late; cbn [c0 c1 c2 c3]; izr; field. Qed.
+Lemma first_half_value c s : bezier_value (first_half c) s = 8 * bezier_value c (s / 2).
+Proof. unfold bezier_value, first_half; cbn [c0 c1 c2 c3]; izr; field. Qed.
+Lemma second_half_value c s : bezier_value (second_half c) s = 8 * bezier_value c ((1 + s) / 2).
+Proof. unfold bezier_value, second_half; cbn [c0 c1 c2 c3]; izr; field. Qed.
 
-Definition mix (a : Z) (c : bez) (b : Z) (d : bez) : bez :=
-  Bez (a * c0 c + b * c0 d) (a * c1 c + b * c1 d) (a * c2 c + b * c2 d) (a * c3 c + b * c3 d).
-Lemma mix_ok a c b d s : bernstein (mix a c b d) s = IZR a * bernstein c s + IZR b * bernstein d s.
-Proof. unfold bernstein, mix; cbn [c0 c1 c2 c3]; izr; ring. Qed.
+Definition bezier_combination (a : Z) (c : bezier) (b : Z) (d : bezier) : bezier :=
+  Bezier (a * c0 c + b * c0 d) (a * c1 c + b * c1 d) (a * c2 c + b * c2 d) (a * c3 c + b * c3 d).
+Lemma bezier_combination_value a c b d s : bezier_value (bezier_combination a c b d) s = IZR a * bezier_value c s + IZR b * bezier_value d s.
+Proof. unfold bezier_value, bezier_combination; cbn [c0 c1 c2 c3]; izr; ring. Qed.
 
-Definition all_from (z : Z) (c : bez) : bool := ((z <=? c0 c) && (z <=? c1 c) && (z <=? c2 c) && (z <=? c3 c))%Z.
+Definition coefficients_at_least (z : Z) (c : bezier) : bool := ((z <=? c0 c) && (z <=? c1 c) && (z <=? c2 c) && (z <=? c3 c))%Z.
 
-Lemma hull z c s : all_from z c = true -> 0 <= s <= 1 -> IZR z <= bernstein c s.
+Lemma bezier_value_at_least z c s : coefficients_at_least z c = true -> 0 <= s <= 1 -> IZR z <= bezier_value c s.
 Proof.
-  unfold all_from, bernstein; rewrite !andb_true_iff, !Z.leb_le; intros [[[A B] C] D] [E F].
+  unfold coefficients_at_least, bezier_value; rewrite !andb_true_iff, !Z.leb_le; intros [[[A B] C] D] [E F].
   apply IZR_le in A, B, C, D.
   assert (G : 0 <= 1 - s) by lra.
   assert (0 <= (1-s)^3) by (apply pow_le; lra). assert (0 <= s^3) by (apply pow_le; lra).
@@ -84,140 +84,140 @@ Qed.
 
 (* ------------------------------------------------------------------ requirements and the checker *)
 
-Definition piece := list (bez * bez).
-Definition zero_bez := Bez 0 0 0 0.
+Definition piece := list (bezier * bezier).
+Definition zero_bezier := Bezier 0 0 0 0.
 
 (* Over the terms, the sum of wl * lower + wu * upper of the edges of one dimension is >= least, in units of the table. *)
-Record term := Term { dim : nat; wl : Z; wu : Z }.
-Record atom := Atom { terms : list term; least : Z }.
-Definition single (i : nat) (l u v : Z) : atom := Atom [Term i l u] v.
-Definition requirement := list atom. (* one of them must hold; which one may differ from half to half *)
+Record term := Term { axis : nat; lower_weight : Z; upper_weight : Z }.
+Record edge_inequality := EdgeInequality { terms : list term; bound : Z }.
+Definition single_axis_inequality (i : nat) (l u v : Z) : edge_inequality := EdgeInequality [Term i l u] v.
+Definition requirement := list edge_inequality. (* one of them must hold; which one may differ from half to half *)
 
-Definition of_term (e : term) (p : piece) : bez :=
-  let c := nth (dim e) p (zero_bez, zero_bez) in mix (wl e) (fst c) (wu e) (snd c).
-Fixpoint of_terms (es : list term) (p : piece) : bez :=
-  match es with [] => zero_bez | [e] => of_term e p | e :: es => mix 1 (of_term e p) 1 (of_terms es p) end.
-Definition of_atom (a : atom) (p : piece) : bez := of_terms (terms a) p.
-Definition shown (scale : Z) (p : piece) (r : requirement) : bool :=
-  existsb (fun a => all_from (scale * least a) (of_atom a p)) r.
+Definition term_bezier (e : term) (p : piece) : bezier :=
+  let c := nth (axis e) p (zero_bezier, zero_bezier) in bezier_combination (lower_weight e) (fst c) (upper_weight e) (snd c).
+Fixpoint terms_bezier (es : list term) (p : piece) : bezier :=
+  match es with [] => zero_bezier | [e] => term_bezier e p | e :: es => bezier_combination 1 (term_bezier e p) 1 (terms_bezier es p) end.
+Definition inequality_bezier (a : edge_inequality) (p : piece) : bezier := terms_bezier (terms a) p.
+Definition follows_from_coefficients (scale : Z) (p : piece) (requirement : requirement) : bool :=
+  existsb (fun a => coefficients_at_least (scale * bound a) (inequality_bezier a p)) requirement.
 
-Definition both (f : bez -> bez) (p : piece) : piece := map (fun c => (f (fst c), f (snd c))) p.
+Definition map_edges (f : bezier -> bezier) (p : piece) : piece := map (fun c => (f (fst c), f (snd c))) p.
 
-Fixpoint check_piece (depth : nat) (scale : Z) (p : piece) (rs : list requirement) : bool :=
-  match filter (fun r => negb (shown scale p r)) rs with
+Fixpoint check_piece (depth : nat) (scale : Z) (p : piece) (requirements : list requirement) : bool :=
+  match filter (fun r => negb (follows_from_coefficients scale p r)) requirements with
   | [] => true
-  | bad => match depth with
+  | unproved => match depth with
            | O => false
-           | S d => if check_piece d (8 * scale) (both early p) bad then check_piece d (8 * scale) (both late p) bad else false (* lazily *)
+           | S d => if check_piece d (8 * scale) (map_edges first_half p) unproved then check_piece d (8 * scale) (map_edges second_half p) unproved else false (* lazily *)
            end
   end.
 
 Definition term_value (e : term) (p : piece) (s : R) : R :=
-  let c := nth (dim e) p (zero_bez, zero_bez) in IZR (wl e) * bernstein (fst c) s + IZR (wu e) * bernstein (snd c) s.
-Definition value (a : atom) (p : piece) (s : R) : R := fold_right (fun e v => term_value e p s + v) 0 (terms a).
+  let c := nth (axis e) p (zero_bezier, zero_bezier) in IZR (lower_weight e) * bezier_value (fst c) s + IZR (upper_weight e) * bezier_value (snd c) s.
+Definition terms_value (a : edge_inequality) (p : piece) (s : R) : R := fold_right (fun e v => term_value e p s + v) 0 (terms a).
 
-Lemma value_ok a p s : bernstein (of_atom a p) s = value a p s.
+Lemma inequality_bezier_value a p s : bezier_value (inequality_bezier a p) s = terms_value a p s.
 Proof.
-  assert (T : forall e, bernstein (of_term e p) s = term_value e p s) by (intro; unfold of_term, term_value; now rewrite mix_ok).
-  unfold of_atom, value. induction (terms a) as [|e [|d es] IH]; cbn [of_terms fold_right] in *.
-  - unfold bernstein, zero_bez; cbn [c0 c1 c2 c3]; ring.
+  assert (T : forall e, bezier_value (term_bezier e p) s = term_value e p s) by (intro; unfold term_bezier, term_value; now rewrite bezier_combination_value).
+  unfold inequality_bezier, terms_value. induction (terms a) as [|e [|d es] IH]; cbn [terms_bezier fold_right] in *.
+  - unfold bezier_value, zero_bezier; cbn [c0 c1 c2 c3]; ring.
   - rewrite T; ring.
-  - rewrite mix_ok, T, IH; ring.
+  - rewrite bezier_combination_value, T, IH; ring.
 Qed.
 
-Lemma value_both f k h a p s : f zero_bez = zero_bez -> (forall c, bernstein (f c) s = k * bernstein c h) ->
-  value a (both f p) s = k * value a p h.
+Lemma terms_value_map_edges f k h a p s : f zero_bezier = zero_bezier -> (forall c, bezier_value (f c) s = k * bezier_value c h) ->
+  terms_value a (map_edges f p) s = k * terms_value a p h.
 Proof.
-  intros Z0 H; unfold value. induction (terms a) as [|e es IH]; cbn [fold_right]; [ring|rewrite IH].
-  unfold term_value, both.
-  set (g := fun c : bez * bez => (f (fst c), f (snd c))).
-  replace (zero_bez, zero_bez) with (g (zero_bez, zero_bez)) at 1 2 by (unfold g; cbn; now rewrite Z0).
+  intros Z0 H; unfold terms_value. induction (terms a) as [|e es IH]; cbn [fold_right]; [ring|rewrite IH].
+  unfold term_value, map_edges.
+  set (g := fun c : bezier * bezier => (f (fst c), f (snd c))).
+  replace (zero_bezier, zero_bezier) with (g (zero_bezier, zero_bezier)) at 1 2 by (unfold g; cbn; now rewrite Z0).
   rewrite !map_nth; unfold g; cbn [fst snd]; rewrite !H; ring.
 Qed.
 
-Lemma shown_ok scale p r s : shown scale p r = true -> 0 <= s <= 1 ->
-  exists a, In a r /\ IZR scale * IZR (least a) <= value a p s.
+Lemma follows_from_coefficients_sound scale p r s : follows_from_coefficients scale p r = true -> 0 <= s <= 1 ->
+  exists a, In a r /\ IZR scale * IZR (bound a) <= terms_value a p s.
 Proof.
-  unfold shown; rewrite existsb_exists; intros (a & I & H) S; exists a; split; [exact I|].
-  apply hull with (s := s) in H; [|exact S].
-  rewrite value_ok, mult_IZR in H; exact H.
+  unfold follows_from_coefficients; rewrite existsb_exists; intros (a & I & H) S; exists a; split; [exact I|].
+  apply bezier_value_at_least with (s := s) in H; [|exact S].
+  rewrite inequality_bezier_value, mult_IZR in H; exact H.
 Qed.
 
 Lemma check_piece_sound depth : forall scale p rs, check_piece depth scale p rs = true ->
-  forall s, 0 <= s <= 1 -> forall r, In r rs -> exists a, In a r /\ IZR scale * IZR (least a) <= value a p s.
+  forall s, 0 <= s <= 1 -> forall r, In r rs -> exists a, In a r /\ IZR scale * IZR (bound a) <= terms_value a p s.
 Proof.
   induction depth; intros scale p rs H s S r I; cbn [check_piece] in H;
-  destruct (shown scale p r) eqn:Sh; try (now apply shown_ok); 
-  assert (B : In r (filter (fun r => negb (shown scale p r)) rs)) by (apply filter_In; now rewrite Sh);
+  destruct (follows_from_coefficients scale p r) eqn:Sh; try (now apply follows_from_coefficients_sound); 
+  assert (B : In r (filter (fun r => negb (follows_from_coefficients scale p r)) rs)) by (apply filter_In; now rewrite Sh);
   destruct (filter _ rs) as [|b bs]; try easy.
-  destruct (check_piece depth (8 * scale) (both early p) (b :: bs)) eqn:E; [|easy]. rename H into L.
+  destruct (check_piece depth (8 * scale) (map_edges first_half p) (b :: bs)) eqn:E; [|easy]. rename H into L.
   destruct (Rle_dec s (1/2)) as [Q|Q].
   - destruct (IHdepth _ _ _ E (2 * s) ltac:(lra) r B) as (a & Ia & V); exists a; split; [exact Ia|].
-    rewrite (value_both early 8 s) in V; [rewrite mult_IZR in V; lra|easy|].
-    intro c; rewrite early_ok; do 2 f_equal; field.
+    rewrite (terms_value_map_edges first_half 8 s) in V; [rewrite mult_IZR in V; lra|easy|].
+    intro c; rewrite first_half_value; do 2 f_equal; field.
   - destruct (IHdepth _ _ _ L (2 * s - 1) ltac:(lra) r B) as (a & Ia & V); exists a; split; [exact Ia|].
-    rewrite (value_both late 8 s) in V; [rewrite mult_IZR in V; lra|easy|].
-    intro c; rewrite late_ok; do 2 f_equal; field.
+    rewrite (terms_value_map_edges second_half 8 s) in V; [rewrite mult_IZR in V; lra|easy|].
+    intro c; rewrite second_half_value; do 2 f_equal; field.
 Qed.
 
-Fixpoint make_piece (r0 r1 r2 r3 : list (Z * Z)) : piece :=
+Fixpoint piece_of_rows (r0 r1 r2 r3 : list (Z * Z)) : piece :=
   match r0, r1, r2, r3 with
   | (a0, b0) :: r0, (a1, b1) :: r1, (a2, b2) :: r2, (a3, b3) :: r3 =>
-      (to_bez a0 a1 a2 a3, to_bez b0 b1 b2 b3) :: make_piece r0 r1 r2 r3
+      (bezier_of_spline a0 a1 a2 a3, bezier_of_spline b0 b1 b2 b3) :: piece_of_rows r0 r1 r2 r3
   | _, _, _, _ => []
   end.
 
 Fixpoint pieces (rows : table) : list piece :=
   match rows with
-  | r0 :: ((r1 :: r2 :: r3 :: _) as rest) => make_piece r0 r1 r2 r3 :: pieces rest
+  | r0 :: ((r1 :: r2 :: r3 :: _) as rest) => piece_of_rows r0 r1 r2 r3 :: pieces rest
   | _ => []
   end.
 
-Lemma make_piece_nth n : forall r0 r1 r2 r3 i, length r0 = n -> length r1 = n -> length r2 = n -> length r3 = n -> (i < n)%nat ->
-  nth i (make_piece r0 r1 r2 r3) (zero_bez, zero_bez) =
-  (to_bez (fst (nth i r0 (0,0)%Z)) (fst (nth i r1 (0,0)%Z)) (fst (nth i r2 (0,0)%Z)) (fst (nth i r3 (0,0)%Z)),
-   to_bez (snd (nth i r0 (0,0)%Z)) (snd (nth i r1 (0,0)%Z)) (snd (nth i r2 (0,0)%Z)) (snd (nth i r3 (0,0)%Z))).
+Lemma piece_of_rows_nth n : forall r0 r1 r2 r3 i, length r0 = n -> length r1 = n -> length r2 = n -> length r3 = n -> (i < n)%nat ->
+  nth i (piece_of_rows r0 r1 r2 r3) (zero_bezier, zero_bezier) =
+  (bezier_of_spline (fst (nth i r0 (0,0)%Z)) (fst (nth i r1 (0,0)%Z)) (fst (nth i r2 (0,0)%Z)) (fst (nth i r3 (0,0)%Z)),
+   bezier_of_spline (snd (nth i r0 (0,0)%Z)) (snd (nth i r1 (0,0)%Z)) (snd (nth i r2 (0,0)%Z)) (snd (nth i r3 (0,0)%Z))).
 Proof.
   induction n; intros [|[]r0] [|[]r1] [|[]r2] [|[]r3] i; cbn [length]; intros; try lia.
   destruct i; cbn; [reflexivity|apply IHn; lia].
 Qed.
 
-Lemma pieces_length rows : length (pieces rows) = segments rows.
+Lemma pieces_length rows : length (pieces rows) = segment_count rows.
 Proof.
-  unfold segments; induction rows as [|r0 [|r1 [|r2 [|r3 rest]]] IH]; try reflexivity.
+  unfold segment_count; induction rows as [|r0 [|r1 [|r2 [|r3 rest]]] IH]; try reflexivity.
   cbn [pieces length] in *; rewrite IH; lia.
 Qed.
 
-Lemma pieces_nth : forall k rows, (k < segments rows)%nat ->
-  nth k (pieces rows) [] = make_piece (nth k rows []) (nth (k+1) rows []) (nth (k+2) rows []) (nth (k+3) rows []).
+Lemma pieces_nth : forall k rows, (k < segment_count rows)%nat ->
+  nth k (pieces rows) [] = piece_of_rows (nth k rows []) (nth (k+1) rows []) (nth (k+2) rows []) (nth (k+3) rows []).
 Proof.
-  unfold segments; induction k; intros [|r0 [|r1 [|r2 [|r3 rest]]]] H; cbn [length] in H; try lia; [reflexivity|].
+  unfold segment_count; induction k; intros [|r0 [|r1 [|r2 [|r3 rest]]]] H; cbn [length] in H; try lia; [reflexivity|].
   change (nth (S k) (pieces (r0 :: r1 :: r2 :: r3 :: rest)) []) with (nth k (pieces (r1 :: r2 :: r3 :: rest)) []).
   rewrite IHk by (cbn [length]; lia); reflexivity.
 Qed.
 
 (* ------------------------------------------------------------------ from a piece to the edges *)
 
-Definition regular (n : nat) (rows : table) : bool := forallb (fun r => Nat.eqb (length r) n) rows && (4 <=? length rows)%nat.
+Definition is_regular (n : nat) (rows : table) : bool := forallb (fun r => Nat.eqb (length r) n) rows && (4 <=? length rows)%nat.
 
-Lemma regular_ok n rows : regular n rows = true ->
+Lemma is_regular_lengths n rows : is_regular n rows = true ->
   (4 <= length rows)%nat /\ forall k, (k < length rows)%nat -> length (nth k rows []) = n.
 Proof.
-  unfold regular; rewrite andb_true_iff, forallb_forall, Nat.leb_le; intros [A B]; split; [exact B|].
+  unfold is_regular; rewrite andb_true_iff, forallb_forall, Nat.leb_le; intros [A B]; split; [exact B|].
   intros k H; apply Nat.eqb_eq, A, nth_In, H.
 Qed.
 
-Lemma column_nth side i rows k : side (0,0)%Z = 0%Z -> nth k (column side i rows) 0%Z = side (nth i (nth k rows []) (0,0)%Z).
+Lemma edge_column_nth side i rows k : side (0,0)%Z = 0%Z -> nth k (edge_column side i rows) 0%Z = side (nth i (nth k rows []) (0,0)%Z).
 Proof.
-  intro S; unfold column. set (f := fun r => side (nth i r (0,0)%Z)).
+  intro S; unfold edge_column. set (f := fun r => side (nth i r (0,0)%Z)).
   change (side (nth i (nth k rows []) (0,0)%Z)) with (f (nth k rows [])).
   rewrite <- (map_nth f rows [] k). replace (f []) with 0%Z; [reflexivity|].
   unfold f; destruct i; symmetry; exact S.
 Qed.
 
-Lemma segment_place K u : (0 < K)%nat -> 0 <= u <= INR K -> (segment K u < K)%nat /\ 0 <= u - INR (segment K u) <= 1.
+Lemma segment_index_range K u : (0 < K)%nat -> 0 <= u <= INR K -> (segment_index K u < K)%nat /\ 0 <= u - INR (segment_index K u) <= 1.
 Proof.
-  intros HK [U0 U1]; unfold segment; split; [lia|].
+  intros HK [U0 U1]; unfold segment_index; split; [lia|].
   assert (F0 : (0 <= Zfloor u)%Z) by (now apply Zfloor_lub).
   pose proof (Zfloor_lb u) as Lb. pose proof (Zfloor_ub u) as Ub.
   assert (E : INR (Z.to_nat (Zfloor u)) = IZR (Zfloor u)) by (now rewrite INR_IZR_INZ, Z2Nat.id).
@@ -227,406 +227,406 @@ Proof.
     assert (INR (K - 1) = INR K - 1) by (rewrite minus_INR by lia; cbn; lra). lra.
 Qed.
 
-Definition spline_time (T : R) (rows : table) (t : R) : R := INR (segments rows) / T * hold T t.
+Definition spline_time (t_c : R) (rows : table) (t : R) : R := INR (segment_count rows) / t_c * clamped_time t_c t.
 
-Lemma hold_range T t : 0 < T -> 0 <= hold T t <= T.
-Proof. unfold hold, Rmax, Rmin; intros; repeat destruct Rle_dec; lra. Qed.
-Lemma hold_id T t : 0 <= t <= T -> hold T t = t.
-Proof. unfold hold, Rmax, Rmin; intros; repeat destruct Rle_dec; lra. Qed.
+Lemma clamped_time_range t_c t : 0 < t_c -> 0 <= clamped_time t_c t <= t_c.
+Proof. unfold clamped_time, Rmax, Rmin; intros; repeat destruct Rle_dec; lra. Qed.
+Lemma clamped_time_within t_c t : 0 <= t <= t_c -> clamped_time t_c t = t.
+Proof. unfold clamped_time, Rmax, Rmin; intros; repeat destruct Rle_dec; lra. Qed.
 
-Lemma spline_time_range T rows t : 0 < T -> 0 <= spline_time T rows t <= INR (segments rows).
+Lemma spline_time_range t_c rows t : 0 < t_c -> 0 <= spline_time t_c rows t <= INR (segment_count rows).
 Proof.
-  intros HT; unfold spline_time; destruct (hold_range T t HT) as [A B]; pose proof (pos_INR (segments rows)) as P.
-  assert (0 <= INR (segments rows) / T) by (apply Rmult_le_pos; [|left; apply Rinv_0_lt_compat]; lra).
+  intros HT; unfold spline_time; destruct (clamped_time_range t_c t HT) as [A B]; pose proof (pos_INR (segment_count rows)) as P.
+  assert (0 <= INR (segment_count rows) / t_c) by (apply Rmult_le_pos; [|left; apply Rinv_0_lt_compat]; lra).
   split; [apply Rmult_le_pos; lra|].
-  apply Rle_trans with (INR (segments rows) / T * T); [now apply Rmult_le_compat_l|].
+  apply Rle_trans with (INR (segment_count rows) / t_c * t_c); [now apply Rmult_le_compat_l|].
   right; field; lra.
 Qed.
 
-Definition weighted (low up : nat -> R) (a : atom) : R :=
-  fold_right (fun e v => IZR (wl e) * low (dim e) + IZR (wu e) * up (dim e) + v) 0 (terms a).
+Definition weighted_edges (low up : nat -> R) (a : edge_inequality) : R :=
+  fold_right (fun e v => IZR (lower_weight e) * low (axis e) + IZR (upper_weight e) * up (axis e) + v) 0 (terms a).
 
-Lemma edge_value n unit T rows a t : regular n rows = true -> 0 < T -> (forall e, In e (terms a) -> (dim e < n)%nat) ->
-  let k := segment (segments rows) (spline_time T rows t) in
-  weighted (fun i => edge unit T rows fst i t) (fun i => edge unit T rows snd i t) a =
-  unit * value a (nth k (pieces rows) []) (spline_time T rows t - INR k).
+Lemma weighted_edges_on_piece n unit t_c rows a t : is_regular n rows = true -> 0 < t_c -> (forall e, In e (terms a) -> (axis e < n)%nat) ->
+  let k := segment_index (segment_count rows) (spline_time t_c rows t) in
+  weighted_edges (fun i => edge unit t_c rows fst i t) (fun i => edge unit t_c rows snd i t) a =
+  unit * terms_value a (nth k (pieces rows) []) (spline_time t_c rows t - INR k).
 Proof.
-  intros Rg HT Hd k. unfold weighted, value.
+  intros Rg HT Hd k. unfold weighted_edges, terms_value.
   induction (terms a) as [|e es IH]; cbn [fold_right]; [ring|]. rewrite IH by (intros; apply Hd; now right). rewrite Rmult_plus_distr_l. f_equal.
   specialize (Hd e (or_introl eq_refl)). clear IH.
-  destruct (regular_ok _ _ Rg) as [L4 Ln].
-  destruct (segment_place (segments rows) (spline_time T rows t)) as [Hk _];
-    [unfold segments; lia|now apply spline_time_range|]. fold k in Hk.
-  assert (K3 : (k + 3 < length rows)%nat) by (unfold segments in Hk; lia).
-  unfold edge, spline, term_value; fold (spline_time T rows t).
-  assert (LC : forall side, (length (column side (dim e) rows) - 3)%nat = segments rows)
-    by (intro; unfold column, segments; now rewrite map_length).
+  destruct (is_regular_lengths _ _ Rg) as [L4 Ln].
+  destruct (segment_index_range (segment_count rows) (spline_time t_c rows t)) as [Hk _];
+    [unfold segment_count; lia|now apply spline_time_range|]. fold k in Hk.
+  assert (K3 : (k + 3 < length rows)%nat) by (unfold segment_count in Hk; lia).
+  unfold edge, spline, term_value; fold (spline_time t_c rows t).
+  assert (LC : forall side, (length (edge_column side (axis e) rows) - 3)%nat = segment_count rows)
+    by (intro; unfold edge_column, segment_count; now rewrite map_length).
   rewrite !LC; fold k.
-  rewrite !column_nth by reflexivity. rewrite !cubic_bezier.
+  rewrite !edge_column_nth by reflexivity. rewrite !cubic_blend_is_bezier.
   rewrite pieces_nth by exact Hk.
-  rewrite (make_piece_nth n) by (try apply Ln; lia). cbn [fst snd]. ring.
+  rewrite (piece_of_rows_nth n) by (try apply Ln; lia). cbn [fst snd]. ring.
 Qed.
 
 (* the requirements hold for the edges at every t *)
-Lemma check_table_sound n depth unit T rows rs : regular n rows = true -> 0 < unit -> 0 < T ->
-  (forall r a e, In r rs -> In a r -> In e (terms a) -> (dim e < n)%nat) ->
+Lemma check_table_sound n depth unit t_c rows rs : is_regular n rows = true -> 0 < unit -> 0 < t_c ->
+  (forall r a e, In r rs -> In a r -> In e (terms a) -> (axis e < n)%nat) ->
   forallb (fun p => check_piece depth 1 p rs) (pieces rows) = true ->
   forall t r, In r rs -> exists a, In a r /\
-    unit * IZR (least a) <= weighted (fun i => edge unit T rows fst i t) (fun i => edge unit T rows snd i t) a.
+    unit * IZR (bound a) <= weighted_edges (fun i => edge unit t_c rows fst i t) (fun i => edge unit t_c rows snd i t) a.
 Proof.
   intros Rg Hu HT Hd C t r I.
-  destruct (regular_ok _ _ Rg) as [L4 _].
-  destruct (segment_place (segments rows) (spline_time T rows t)) as [Hk Hs];
-    [unfold segments; lia|now apply spline_time_range|].
-  set (k := segment (segments rows) (spline_time T rows t)) in *.
+  destruct (is_regular_lengths _ _ Rg) as [L4 _].
+  destruct (segment_index_range (segment_count rows) (spline_time t_c rows t)) as [Hk Hs];
+    [unfold segment_count; lia|now apply spline_time_range|].
+  set (k := segment_index (segment_count rows) (spline_time t_c rows t)) in *.
   rewrite forallb_forall in C.
   assert (Ck := C (nth k (pieces rows) []) ltac:(apply nth_In; now rewrite pieces_length)).
   destruct (check_piece_sound _ _ _ _ Ck _ Hs r I) as (a & Ia & V).
   exists a; split; [exact Ia|].
-  rewrite (edge_value n) by eauto. fold k.
+  rewrite (weighted_edges_on_piece n) by eauto. fold k.
   apply Rmult_le_compat_l; [lra|]. lra.
 Qed.
 
 (* Requirements at one end only, for P2 and P5: the first piece's start (s = 0), the last one's end (s = 1) *)
-Definition at_start (c : bez) := Bez (c0 c) (c0 c) (c0 c) (c0 c).
-Definition at_end (c : bez) := Bez (c3 c) (c3 c) (c3 c) (c3 c).
-Lemma at_start_ok c s : bernstein (at_start c) s = 1 * bernstein c 0.
-Proof. unfold bernstein, at_start; cbn [c0 c1 c2 c3]; ring. Qed.
-Lemma at_end_ok c s : bernstein (at_end c) s = 1 * bernstein c 1.
-Proof. unfold bernstein, at_end; cbn [c0 c1 c2 c3]; ring. Qed.
+Definition constant_at_start (c : bezier) := Bezier (c0 c) (c0 c) (c0 c) (c0 c).
+Definition constant_at_end (c : bezier) := Bezier (c3 c) (c3 c) (c3 c) (c3 c).
+Lemma constant_at_start_value c s : bezier_value (constant_at_start c) s = 1 * bezier_value c 0.
+Proof. unfold bezier_value, constant_at_start; cbn [c0 c1 c2 c3]; ring. Qed.
+Lemma constant_at_end_value c s : bezier_value (constant_at_end c) s = 1 * bezier_value c 1.
+Proof. unfold bezier_value, constant_at_end; cbn [c0 c1 c2 c3]; ring. Qed.
 
-Lemma check_start_sound n unit T rows rs : regular n rows = true -> 0 < unit -> 0 < T ->
-  (forall r a e, In r rs -> In a r -> In e (terms a) -> (dim e < n)%nat) ->
-  check_piece 0 1 (both at_start (nth 0 (pieces rows) [])) rs = true ->
+Lemma check_start_sound n unit t_c rows rs : is_regular n rows = true -> 0 < unit -> 0 < t_c ->
+  (forall r a e, In r rs -> In a r -> In e (terms a) -> (axis e < n)%nat) ->
+  check_piece 0 1 (map_edges constant_at_start (nth 0 (pieces rows) [])) rs = true ->
   forall r, In r rs -> exists a, In a r /\
-    unit * IZR (least a) <= weighted (fun i => edge unit T rows fst i 0) (fun i => edge unit T rows snd i 0) a.
+    unit * IZR (bound a) <= weighted_edges (fun i => edge unit t_c rows fst i 0) (fun i => edge unit t_c rows snd i 0) a.
 Proof.
-  intros Rg Hu HT Hd C r I. destruct (regular_ok _ _ Rg) as [L4 _].
+  intros Rg Hu HT Hd C r I. destruct (is_regular_lengths _ _ Rg) as [L4 _].
   destruct (check_piece_sound _ _ _ _ C 0 ltac:(lra) r I) as (a & Ia & V). exists a; split; [exact Ia|].
-  rewrite (value_both at_start 1 0) in V by (try easy; intro; apply at_start_ok).
-  rewrite (edge_value n) by eauto.
-  assert (U : spline_time T rows 0 = 0) by (unfold spline_time; rewrite hold_id by lra; ring).
-  assert (S : segment (segments rows) 0 = 0%nat).
-  { unfold segment; replace (Zfloor 0) with 0%Z by (symmetry; apply Zfloor_imp; simpl; lra); reflexivity. }
+  rewrite (terms_value_map_edges constant_at_start 1 0) in V by (try easy; intro; apply constant_at_start_value).
+  rewrite (weighted_edges_on_piece n) by eauto.
+  assert (U : spline_time t_c rows 0 = 0) by (unfold spline_time; rewrite clamped_time_within by lra; ring).
+  assert (S : segment_index (segment_count rows) 0 = 0%nat).
+  { unfold segment_index; replace (Zfloor 0) with 0%Z by (symmetry; apply Zfloor_imp; simpl; lra); reflexivity. }
   rewrite U, S; cbn [INR]; rewrite Rminus_0_r. apply Rmult_le_compat_l; lra.
 Qed.
 
-Lemma check_end_sound n unit T rows rs : regular n rows = true -> 0 < unit -> 0 < T ->
-  (forall r a e, In r rs -> In a r -> In e (terms a) -> (dim e < n)%nat) ->
-  check_piece 0 1 (both at_end (nth (segments rows - 1) (pieces rows) [])) rs = true ->
-  forall t, T <= t -> forall r, In r rs -> exists a, In a r /\
-    unit * IZR (least a) <= weighted (fun i => edge unit T rows fst i t) (fun i => edge unit T rows snd i t) a.
+Lemma check_end_sound n unit t_c rows rs : is_regular n rows = true -> 0 < unit -> 0 < t_c ->
+  (forall r a e, In r rs -> In a r -> In e (terms a) -> (axis e < n)%nat) ->
+  check_piece 0 1 (map_edges constant_at_end (nth (segment_count rows - 1) (pieces rows) [])) rs = true ->
+  forall t, t_c <= t -> forall r, In r rs -> exists a, In a r /\
+    unit * IZR (bound a) <= weighted_edges (fun i => edge unit t_c rows fst i t) (fun i => edge unit t_c rows snd i t) a.
 Proof.
-  intros Rg Hu HT Hd C t Ht r I. destruct (regular_ok _ _ Rg) as [L4 _].
+  intros Rg Hu HT Hd C t Ht r I. destruct (is_regular_lengths _ _ Rg) as [L4 _].
   destruct (check_piece_sound _ _ _ _ C 0 ltac:(lra) r I) as (a & Ia & V). exists a; split; [exact Ia|].
-  rewrite (value_both at_end 1 1) in V by (try easy; intro; apply at_end_ok).
-  rewrite (edge_value n) by eauto.
-  assert (U : spline_time T rows t = INR (segments rows)).
-  { unfold spline_time, hold. rewrite Rmin_right, Rmax_right by lra. field; lra. }
-  assert (S : segment (segments rows) (INR (segments rows)) = (segments rows - 1)%nat).
-  { unfold segment; rewrite INR_IZR_INZ, Zfloor_IZR, Nat2Z.id; lia. }
+  rewrite (terms_value_map_edges constant_at_end 1 1) in V by (try easy; intro; apply constant_at_end_value).
+  rewrite (weighted_edges_on_piece n) by eauto.
+  assert (U : spline_time t_c rows t = INR (segment_count rows)).
+  { unfold spline_time, clamped_time. rewrite Rmin_right, Rmax_right by lra. field; lra. }
+  assert (S : segment_index (segment_count rows) (INR (segment_count rows)) = (segment_count rows - 1)%nat).
+  { unfold segment_index; rewrite INR_IZR_INZ, Zfloor_IZR, Nat2Z.id; lia. }
   rewrite U, S.
-  replace (INR (segments rows) - INR (segments rows - 1)) with 1; [apply Rmult_le_compat_l; lra|].
-  rewrite minus_INR by (unfold segments; lia); cbn; lra.
+  replace (INR (segment_count rows) - INR (segment_count rows - 1)) with 1; [apply Rmult_le_compat_l; lra|].
+  rewrite minus_INR by (unfold segment_count; lia); cbn; lra.
 Qed.
 
 (* ------------------------------------------------------------------ the task, and what P1 to P5 ask of the table *)
 
 Record task := Task {
-  n : nat; T : Q; x0 : list Q; space : box; start : box; target : box; unsafe : list shape; clearance : Q; min_width : Q;
-  walls : list (list Q * Q); goals : list (list Q * Q) }. (* half-spaces that cut the state space, and the target *)
+  n : nat; t_c : Q; initial_state : list Q; state_space : box; initial_set : box; target_set : box; unsafe_sets : list shape; clearance : Q; min_width : Q;
+  state_half_spaces : list (list Q * Q); target_half_spaces : list (list Q * Q) }. (* half-spaces that cut the state space, and the target *)
 
-Definition in_space (k : task) (x : nat -> R) : Prop :=
-  (forall i, (i < n k)%nat -> at_ (lo (space k)) i < x i < at_ (hi (space k)) i) /\ within_faces (n k) (walls k) x.
-Definition in_target (k : task) (x : nat -> R) : Prop :=
-  (forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i < at_ (hi (target k)) i) /\ within_faces (n k) (goals k) x.
+Definition in_space (spec : task) (x : nat -> R) : Prop :=
+  (forall i, (i < n spec)%nat -> real_at (lower_corner (state_space spec)) i < x i < real_at (upper_corner (state_space spec)) i) /\ within_half_spaces (n spec) (state_half_spaces spec) x.
+Definition in_target (spec : task) (x : nat -> R) : Prop :=
+  (forall i, (i < n spec)%nat -> real_at (lower_corner (target_set spec)) i < x i < real_at (upper_corner (target_set spec)) i) /\ within_half_spaces (n spec) (target_half_spaces spec) x.
 
 (* How `check` goes about it; nothing in it is believed. How often a segment may be halved, and for every unsafe set normals that may
    separate the tube from it, beside those of the axes; with each go multipliers of the set's half-spaces. *)
-Definition normal : Type := list Z * list Q.
-Record search := Search { halves : nat; normals : list (list normal) }.
+Definition normal_with_multipliers : Type := list Z * list Q.
+Record search_plan := SearchPlan { halvings_max : nat; normals : list (list normal_with_multipliers) }.
 
-Fixpoint facing (m : nat) (v : nat -> Z) : list term := (* the corner of a box that is first along v *)
-  match m with
+Fixpoint facing_corner (n : nat) (normal : nat -> Z) : list term := (* the corner of a box that is first along v *)
+  match n with
   | O => []
-  | S j => match v j with Z0 => facing j v | Zpos _ => Term j (v j) 0 :: facing j v | Zneg _ => Term j 0 (v j) :: facing j v end
+  | S j => match normal j with Z0 => facing_corner j normal | Zpos _ => Term j (normal j) 0 :: facing_corner j normal | Zneg _ => Term j 0 (normal j) :: facing_corner j normal end
   end.
-Fixpoint norm_1 (m : nat) (v : nat -> Z) : Z := match m with O => 0%Z | S j => (Z.abs (v j) + norm_1 j v)%Z end.
-Definition axes (m : nat) : list normal := flat_map (fun i => [(repeat 0 i ++ [-1], []); (repeat 0 i ++ [1], [])]%Z) (seq 0 m).
+Fixpoint norm_1 (n : nat) (v : nat -> Z) : Z := match n with O => 0%Z | S j => (Z.abs (v j) + norm_1 j v)%Z end.
+Definition axis_normals (n : nat) : list normal_with_multipliers := flat_map (fun i => [(repeat 0 i ++ [-1], []); (repeat 0 i ++ [1], [])]%Z) (seq 0 n).
 
-Section Compile.
-  Variables unit err : Q. (* the value of one table step; how far rounding may move an edge *)
+Section Requirements.
+  Variables unit edge_error : Q. (* the value of one table step; how far rounding may move an edge *)
 
-  Definition above (v : Q) : Z := Qceiling (v / unit).
-  Definition below (v : Q) : Z := Qfloor (v / unit).
+  Definition steps_above (v : Q) : Z := Qceiling (v / unit).
+  Definition steps_below (v : Q) : Z := Qfloor (v / unit).
 
-  Definition lower_from i v := single i 1 0 (above v).
-  Definition upper_to i v := single i 0 (-1) (- below v).
-  Definition lower_below i v := single i (-1) 0 (1 - above v). (* strictly *)
-  Definition upper_beyond i v := single i 0 1 (below v + 1).   (* strictly *)
-  Definition wide i v := single i (-1) 1 (above v).
+  Definition lower_at_least i v := single_axis_inequality i 1 0 (steps_above v).
+  Definition upper_at_most i v := single_axis_inequality i 0 (-1) (- steps_below v).
+  Definition lower_less_than i v := single_axis_inequality i (-1) 0 (1 - steps_above v). (* strictly *)
+  Definition upper_greater_than i v := single_axis_inequality i 0 1 (steps_below v + 1).   (* strictly *)
+  Definition width_at_least i v := single_axis_inequality i (-1) 1 (steps_above v).
 
-  Definition within (b : box) (i : nat) : list requirement :=
-    [[lower_from i (nth i (lo b) 0 + err)]; [upper_to i (nth i (hi b) 0 - err)]]%Q.
-  Definition around (x : list Q) (i : nat) : list requirement :=
-    [[lower_below i (nth i x 0 - err)]; [upper_beyond i (nth i x 0 + err)]]%Q.
-  Definition beyond (m : nat) (c : Q) (o : shape) (v : normal) : requirement :=
+  Definition edges_inside_box (b : box) (i : nat) : list requirement :=
+    [[lower_at_least i (nth i (lower_corner b) 0 + edge_error)]; [upper_at_most i (nth i (upper_corner b) 0 - edge_error)]]%Q.
+  Definition edges_around_point (x : list Q) (i : nat) : list requirement :=
+    [[lower_less_than i (nth i x 0 - edge_error)]; [upper_greater_than i (nth i x 0 + edge_error)]]%Q.
+  Definition beyond_set_along_normal (n : nat) (clearance : Q) (set : shape) (v : normal_with_multipliers) : requirement :=
     let w i := nth i (fst v) 0%Z in
-    match facing m w with
+    match facing_corner n w with
     | [] => [] (* a normal of 0 separates nothing *)
-    | es => [Atom es (above (support m w (snd v) o + (c + err) * inject_Z (norm_1 m w)))]
+    | es => [EdgeInequality es (steps_above (support_bound n w (snd v) set + (clearance + edge_error) * inject_Z (norm_1 n w)))]
     end.
-  Fixpoint clear_of (m : nat) (c : Q) (os : list shape) (vs : list (list normal)) : list requirement :=
-    match os with [] => [] | o :: os => flat_map (beyond m c o) (axes m ++ hd [] vs) :: clear_of m c os (tl vs) end.
+  Fixpoint separation_requirements (n : nat) (clearance : Q) (sets : list shape) (normals_by_set : list (list normal_with_multipliers)) : list requirement :=
+    match sets with [] => [] | o :: sets => flat_map (beyond_set_along_normal n clearance o) (axis_normals n ++ hd [] normals_by_set) :: separation_requirements n clearance sets (tl normals_by_set) end.
 
   (* A half-space, with the whole numbers along its normal *)
-  Definition inner (m : nat) (f : list Q * Q) : requirement :=
-    let d := fold_right (fun q d => Z.lcm (Zpos (Qden q)) d) 1%Z (fst f) in
-    let w i := Qnum (Qred (nth i (fst f) 0%Q * inject_Z d)) in
-    if ((0 <? d)%Z && forallb (fun i => Qeq_bool (inject_Z (w i)) (nth i (fst f) 0%Q * inject_Z d)) (seq 0 m))%bool
-    then [Atom (facing m (fun i => - w i)%Z) (above (err * inject_Z (norm_1 m (fun i => - w i)%Z) - snd f * inject_Z d))] else [].
+  Definition edges_within_half_space (n : nat) (half_space : list Q * Q) : requirement :=
+    let d := fold_right (fun q d => Z.lcm (Zpos (Qden q)) d) 1%Z (fst half_space) in
+    let w i := Qnum (Qred (nth i (fst half_space) 0%Q * inject_Z d)) in
+    if ((0 <? d)%Z && forallb (fun i => Qeq_bool (inject_Z (w i)) (nth i (fst half_space) 0%Q * inject_Z d)) (seq 0 n))%bool
+    then [EdgeInequality (facing_corner n (fun i => - w i)%Z) (steps_above (edge_error * inject_Z (norm_1 n (fun i => - w i)%Z) - snd half_space * inject_Z d))] else [].
 
-  Definition along (how : search) (k : task) : list requirement :=
-    map (fun i => [wide i (min_width k + 2 * err)%Q]) (seq 0 (n k)) ++
-    flat_map (within (space k)) (seq 0 (n k)) ++ map (inner (n k)) (walls k) ++
-    clear_of (n k) (clearance k) (unsafe k) (normals how).
-  Definition first_ones (k : task) : list requirement := flat_map (fun i => around (x0 k) i ++ within (start k) i) (seq 0 (n k)).
-  Definition last_ones (k : task) : list requirement := flat_map (within (target k)) (seq 0 (n k)) ++ map (inner (n k)) (goals k).
+  Definition requirements_always (plan : search_plan) (spec : task) : list requirement :=
+    map (fun i => [width_at_least i (min_width spec + 2 * edge_error)%Q]) (seq 0 (n spec)) ++
+    flat_map (edges_inside_box (state_space spec)) (seq 0 (n spec)) ++ map (edges_within_half_space (n spec)) (state_half_spaces spec) ++
+    separation_requirements (n spec) (clearance spec) (unsafe_sets spec) (normals plan).
+  Definition requirements_at_start (spec : task) : list requirement := flat_map (fun i => edges_around_point (initial_state spec) i ++ edges_inside_box (initial_set spec) i) (seq 0 (n spec)).
+  Definition requirements_at_end (spec : task) : list requirement := flat_map (edges_inside_box (target_set spec)) (seq 0 (n spec)) ++ map (edges_within_half_space (n spec)) (target_half_spaces spec).
 
   (* Bounds are rounded to whole units on the harder side, and widened by err: by so much a function may differ from its edge. *)
-  Definition positive (q : Q) : bool := negb (Qle_bool q 0).
+  Definition is_positive (q : Q) : bool := negb (Qle_bool q 0).
 
-  Definition check (how : search) (k : task) (rows : table) : bool :=
-    positive unit && positive (T k) && regular (n k) rows &&
+  Definition tube_check (plan : search_plan) (spec : task) (rows : table) : bool :=
+    is_positive unit && is_positive (t_c spec) && is_regular (n spec) rows &&
     let ps := pieces rows in
-    forallb (let rs := along how k in fun p => check_piece (halves how) 1 p rs) ps &&
-    check_piece 0 1 (both at_start (nth 0 ps [])) (first_ones k) &&
-    check_piece 0 1 (both at_end (nth (segments rows - 1) ps [])) (last_ones k).
+    forallb (let rs := requirements_always plan spec in fun p => check_piece (halvings_max plan) 1 p rs) ps &&
+    check_piece 0 1 (map_edges constant_at_start (nth 0 ps [])) (requirements_at_start spec) &&
+    check_piece 0 1 (map_edges constant_at_end (nth (segment_count rows - 1) ps [])) (requirements_at_end spec).
 
-  Hypothesis unit_pos : positive unit = true.
+  Hypothesis unit_pos : is_positive unit = true.
 
-  Lemma positive_ok q : positive q = true -> 0 < Q2R q.
+  Lemma is_positive_sound q : is_positive q = true -> 0 < Q2R q.
   Proof.
-    unfold positive; intro H; replace 0 with (Q2R 0) by (unfold Q2R; cbn; lra); apply Qlt_Rlt.
+    unfold is_positive; intro H; replace 0 with (Q2R 0) by (unfold Q2R; cbn; lra); apply Qlt_Rlt.
     apply negb_true_iff in H. apply Qnot_le_lt; intro C; apply Qle_bool_iff in C; congruence.
   Qed.
 
-  Lemma unit_R : 0 < Q2R unit. Proof. now apply positive_ok. Qed.
-  Lemma unit_nz : ~ (unit == 0)%Q.
-  Proof. intro E; apply Qeq_eqR in E; pose proof unit_R as P; rewrite E in P; revert P; unfold Q2R; cbn; lra. Qed.
+  Lemma unit_real_pos : 0 < Q2R unit. Proof. now apply is_positive_sound. Qed.
+  Lemma unit_nonzero : ~ (unit == 0)%Q.
+  Proof. intro E; apply Qeq_eqR in E; pose proof unit_real_pos as P; rewrite E in P; revert P; unfold Q2R; cbn; lra. Qed.
 
   Lemma Q2R_Z z : Q2R (inject_Z z) = IZR z. Proof. unfold Q2R; cbn; lra. Qed.
 
-  Lemma scaled v : Q2R v = Q2R unit * Q2R (v / unit).
-  Proof. rewrite Q2R_div by exact unit_nz; field; pose proof unit_R; lra. Qed.
+  Lemma unit_times_quotient v : Q2R v = Q2R unit * Q2R (v / unit).
+  Proof. rewrite Q2R_div by exact unit_nonzero; field; pose proof unit_real_pos; lra. Qed.
 
-  Lemma above_ok v : Q2R v <= Q2R unit * IZR (above v).
+  Lemma steps_above_bounds v : Q2R v <= Q2R unit * IZR (steps_above v).
   Proof.
-    rewrite (scaled v) at 1; apply Rmult_le_compat_l; [left; exact unit_R|].
+    rewrite (unit_times_quotient v) at 1; apply Rmult_le_compat_l; [left; exact unit_real_pos|].
     rewrite <- Q2R_Z; apply Qle_Rle, Qle_ceiling.
   Qed.
-  Lemma below_ok v : Q2R unit * IZR (below v) <= Q2R v.
+  Lemma steps_below_bounds v : Q2R unit * IZR (steps_below v) <= Q2R v.
   Proof.
-    rewrite (scaled v) at 1; apply Rmult_le_compat_l; [left; exact unit_R|].
+    rewrite (unit_times_quotient v) at 1; apply Rmult_le_compat_l; [left; exact unit_real_pos|].
     rewrite <- Q2R_Z; apply Qle_Rle, Qfloor_le.
   Qed.
-  Lemma above_strict v : Q2R unit * IZR (above v - 1) < Q2R v.
+  Lemma steps_above_tight v : Q2R unit * IZR (steps_above v - 1) < Q2R v.
   Proof.
-    rewrite (scaled v) at 1; apply Rmult_lt_compat_l; [exact unit_R|].
+    rewrite (unit_times_quotient v) at 1; apply Rmult_lt_compat_l; [exact unit_real_pos|].
     rewrite <- Q2R_Z; apply Qlt_Rlt, Qceiling_lt.
   Qed.
-  Lemma below_strict v : Q2R v < Q2R unit * IZR (below v + 1).
+  Lemma steps_below_tight v : Q2R v < Q2R unit * IZR (steps_below v + 1).
   Proof.
-    rewrite (scaled v) at 1; apply Rmult_lt_compat_l; [exact unit_R|].
+    rewrite (unit_times_quotient v) at 1; apply Rmult_lt_compat_l; [exact unit_real_pos|].
     rewrite <- Q2R_Z; apply Qlt_Rlt, Qlt_floor.
   Qed.
 
-  Variables (k : task) (rows : table) (how : search).
-  Hypothesis checked : check how k rows = true.
+  Variables (spec : task) (rows : table) (plan : search_plan).
+  Hypothesis tube_checked : tube_check plan spec rows = true.
 
-  Definition lower (i : nat) (t : R) : R := edge (Q2R unit) (Q2R (T k)) rows fst i t.
-  Definition upper (i : nat) (t : R) : R := edge (Q2R unit) (Q2R (T k)) rows snd i t.
+  Definition lower (i : nat) (t : R) : R := edge (Q2R unit) (Q2R (t_c spec)) rows fst i t.
+  Definition upper (i : nat) (t : R) : R := edge (Q2R unit) (Q2R (t_c spec)) rows snd i t.
 
   Variables L U : nat -> R -> R. (* what the program computes *)
-  Hypothesis near : forall i t, (i < n k)%nat ->
-    Rabs (L i t - lower i t) <= Q2R err /\ Rabs (U i t - upper i t) <= Q2R err.
+  Hypothesis near_exact_edges : forall i t, (i < n spec)%nat ->
+    Rabs (L i t - lower i t) <= Q2R edge_error /\ Rabs (U i t - upper i t) <= Q2R edge_error.
 
-  Definition meaning (t : R) (a : atom) : Prop :=
-    Q2R unit * IZR (least a) <= weighted (fun i => lower i t) (fun i => upper i t) a.
+  Definition inequality_holds_at (t : R) (a : edge_inequality) : Prop :=
+    Q2R unit * IZR (bound a) <= weighted_edges (fun i => lower i t) (fun i => upper i t) a.
 
-  Lemma near' i t : (i < n k)%nat ->
-    L i t - Q2R err <= lower i t <= L i t + Q2R err /\ U i t - Q2R err <= upper i t <= U i t + Q2R err.
-  Proof. intro H; destruct (near i t H) as [A B]; apply Rabs_le_between in A, B; lra. Qed.
+  Lemma exact_edges_range i t : (i < n spec)%nat ->
+    L i t - Q2R edge_error <= lower i t <= L i t + Q2R edge_error /\ U i t - Q2R edge_error <= upper i t <= U i t + Q2R edge_error.
+  Proof. intro H; destruct (near_exact_edges i t H) as [A B]; apply Rabs_le_between in A, B; lra. Qed.
 
-  Ltac atoms i t H Hi := unfold meaning, weighted, lower_from, upper_to, lower_below, upper_beyond, wide, single in H;
-    cbn [terms fold_right dim wl wu least] in H; destruct (near' i t Hi).
+  Ltac atoms i t H Hi := unfold inequality_holds_at, weighted_edges, lower_at_least, upper_at_most, lower_less_than, upper_greater_than, width_at_least, single_axis_inequality in H;
+    cbn [terms fold_right axis lower_weight upper_weight bound] in H; destruct (exact_edges_range i t Hi).
 
-  Lemma lower_from_ok i v t : (i < n k)%nat -> meaning t (lower_from i (v + err)) -> Q2R v <= L i t.
-  Proof. intros Hi H; atoms i t H Hi; pose proof (above_ok (v + err)) as A; rewrite Q2R_plus in A; lra. Qed.
-  Lemma upper_to_ok i v t : (i < n k)%nat -> meaning t (upper_to i (v - err)) -> U i t <= Q2R v.
+  Lemma lower_at_least_sound i v t : (i < n spec)%nat -> inequality_holds_at t (lower_at_least i (v + edge_error)) -> Q2R v <= L i t.
+  Proof. intros Hi H; atoms i t H Hi; pose proof (steps_above_bounds (v + edge_error)) as A; rewrite Q2R_plus in A; lra. Qed.
+  Lemma upper_at_most_sound i v t : (i < n spec)%nat -> inequality_holds_at t (upper_at_most i (v - edge_error)) -> U i t <= Q2R v.
   Proof.
-    intros Hi H; atoms i t H Hi; pose proof (below_ok (v - err)) as A; rewrite Q2R_minus in A.
+    intros Hi H; atoms i t H Hi; pose proof (steps_below_bounds (v - edge_error)) as A; rewrite Q2R_minus in A.
     rewrite opp_IZR in H; lra.
   Qed.
-  Lemma lower_below_ok i v t : (i < n k)%nat -> meaning t (lower_below i (v - err)) -> L i t < Q2R v.
+  Lemma lower_less_than_sound i v t : (i < n spec)%nat -> inequality_holds_at t (lower_less_than i (v - edge_error)) -> L i t < Q2R v.
   Proof.
-    intros Hi H; atoms i t H Hi; pose proof (above_strict (v - err)) as A; rewrite Q2R_minus in A.
+    intros Hi H; atoms i t H Hi; pose proof (steps_above_tight (v - edge_error)) as A; rewrite Q2R_minus in A.
     rewrite minus_IZR in *; lra.
   Qed.
-  Lemma upper_beyond_ok i v t : (i < n k)%nat -> meaning t (upper_beyond i (v + err)) -> Q2R v < U i t.
-  Proof. intros Hi H; atoms i t H Hi; pose proof (below_strict (v + err)) as A; rewrite Q2R_plus in A; lra. Qed.
-  Lemma wide_ok i v t : (i < n k)%nat -> meaning t (wide i (v + 2 * err)) -> L i t + Q2R v <= U i t.
+  Lemma upper_greater_than_sound i v t : (i < n spec)%nat -> inequality_holds_at t (upper_greater_than i (v + edge_error)) -> Q2R v < U i t.
+  Proof. intros Hi H; atoms i t H Hi; pose proof (steps_below_tight (v + edge_error)) as A; rewrite Q2R_plus in A; lra. Qed.
+  Lemma width_at_least_sound i v t : (i < n spec)%nat -> inequality_holds_at t (width_at_least i (v + 2 * edge_error)) -> L i t + Q2R v <= U i t.
   Proof.
-    intros Hi H; atoms i t H Hi; pose proof (above_ok (v + 2 * err)) as A; rewrite Q2R_plus, Q2R_mult in A.
+    intros Hi H; atoms i t H Hi; pose proof (steps_above_bounds (v + 2 * edge_error)) as A; rewrite Q2R_plus, Q2R_mult in A.
     replace (Q2R 2) with 2 in A by (unfold Q2R; cbn; lra). lra.
   Qed.
 
-  Definition in_box (b : box) (i : nat) (t : R) : Prop := at_ (lo b) i <= L i t /\ U i t <= at_ (hi b) i.
+  Definition in_box (b : box) (i : nat) (t : R) : Prop := real_at (lower_corner b) i <= L i t /\ U i t <= real_at (upper_corner b) i.
 
-  Lemma within_ok b i t : (i < n k)%nat -> (forall r, In r (within b i) -> exists a, In a r /\ meaning t a) -> in_box b i t.
+  Lemma edges_inside_box_sound b i t : (i < n spec)%nat -> (forall r, In r (edges_inside_box b i) -> exists a, In a r /\ inequality_holds_at t a) -> in_box b i t.
   Proof.
     intros Hi H; split.
-    - destruct (H _ (or_introl eq_refl)) as (a & [<-|[]] & M); now apply lower_from_ok in M.
-    - destruct (H _ (or_intror (or_introl eq_refl))) as (a & [<-|[]] & M); now apply upper_to_ok in M.
+    - destruct (H _ (or_introl eq_refl)) as (a & [<-|[]] & M); now apply lower_at_least_sound in M.
+    - destruct (H _ (or_intror (or_introl eq_refl))) as (a & [<-|[]] & M); now apply upper_at_most_sound in M.
   Qed.
 
-  Lemma clear_of_in c r : forall os vs, In r (clear_of (n k) c os vs) -> exists o ns, r = flat_map (beyond (n k) c o) ns.
+  Lemma separation_requirements_form c r : forall os vs, In r (separation_requirements (n spec) c os vs) -> exists o ns, r = flat_map (beyond_set_along_normal (n spec) c o) ns.
   Proof. induction os as [|o os IH]; intros vs I; cbn in I; [easy|]. destruct I as [<-|I]; [eauto|now apply (IH (tl vs))]. Qed.
-  Lemma clear_of_each c o : forall os vs, In o os -> exists ns, In (flat_map (beyond (n k) c o) ns) (clear_of (n k) c os vs).
+  Lemma separation_requirement_exists c o : forall os vs, In o os -> exists ns, In (flat_map (beyond_set_along_normal (n spec) c o) ns) (separation_requirements (n spec) c os vs).
   Proof.
-    induction os as [|p os IH]; intros vs I; cbn [In clear_of] in *; [easy|]. destruct I as [->|I]; [eexists; left; reflexivity|].
+    induction os as [|p os IH]; intros vs I; cbn [In separation_requirements] in *; [easy|]. destruct I as [->|I]; [eexists; left; reflexivity|].
     destruct (IH (tl vs) I) as (ns & J). exists ns. now right.
   Qed.
-  Lemma facing_dims v e : forall m, In e (facing m v) -> (dim e < m)%nat.
+  Lemma facing_corner_axes v e : forall m, In e (facing_corner m v) -> (axis e < m)%nat.
   Proof.
-    induction m as [|m IH]; intro I; cbn [facing] in I; [easy|].
+    induction m as [|m IH]; intro I; cbn [facing_corner] in I; [easy|].
     destruct (v m); [apply IH in I; lia| |]; (destruct I as [<-|I]; [cbn; lia|apply IH in I; lia]).
   Qed.
 
-  Lemma inner_dims f a e : In a (inner (n k) f) -> In e (terms a) -> (dim e < n k)%nat.
-  Proof. unfold inner; cbv zeta. destruct (_ && _)%bool; [|easy]. intros [<-|[]]. apply facing_dims. Qed.
+  Lemma half_space_axes f a e : In a (edges_within_half_space (n spec) f) -> In e (terms a) -> (axis e < n spec)%nat.
+  Proof. unfold edges_within_half_space; cbv zeta. destruct (_ && _)%bool; [|easy]. intros [<-|[]]. apply facing_corner_axes. Qed.
 
-  Lemma dims_along r a e : In r (along how k) -> In a r -> In e (terms a) -> (dim e < n k)%nat.
+  Lemma requirements_always_axes r a e : In r (requirements_always plan spec) -> In a r -> In e (terms a) -> (axis e < n spec)%nat.
   Proof.
-    unfold along; rewrite !in_app_iff, !in_map_iff, in_flat_map.
+    unfold requirements_always; rewrite !in_app_iff, !in_map_iff, in_flat_map.
     intros [(i & <- & I)|[(i & I & [<-|[<-|[]]])|[(f & <- & _)|H]]].
-    4: apply inner_dims.
+    4: apply half_space_axes.
     1,2,3: intros [<-|[]] [<-|[]]; cbn; apply in_seq in I; lia.
-    apply clear_of_in in H; destruct H as (o & ns & ->). rewrite in_flat_map; intros (v & _ & J) K. unfold beyond in J.
-    destruct (facing (n k) _) eqn:F; [easy|]. destruct J as [<-|[]]; cbn [terms] in K. rewrite <- F in K. now apply facing_dims in K.
+    apply separation_requirements_form in H; destruct H as (o & ns & ->). rewrite in_flat_map; intros (v & _ & J) K. unfold beyond_set_along_normal in J.
+    destruct (facing_corner (n spec) _) eqn:F; [easy|]. destruct J as [<-|[]]; cbn [terms] in K. rewrite <- F in K. now apply facing_corner_axes in K.
   Qed.
-  Lemma dims_first r a e : In r (first_ones k) -> In a r -> In e (terms a) -> (dim e < n k)%nat.
+  Lemma requirements_at_start_axes r a e : In r (requirements_at_start spec) -> In a r -> In e (terms a) -> (axis e < n spec)%nat.
   Proof.
-    unfold first_ones; rewrite in_flat_map; intros (i & I & H); apply in_seq in I.
+    unfold requirements_at_start; rewrite in_flat_map; intros (i & I & H); apply in_seq in I.
     destruct H as [<-|[<-|[<-|[<-|[]]]]]; intros [<-|[]] [<-|[]]; cbn; lia.
   Qed.
-  Lemma dims_last r a e : In r (last_ones k) -> In a r -> In e (terms a) -> (dim e < n k)%nat.
+  Lemma requirements_at_end_axes r a e : In r (requirements_at_end spec) -> In a r -> In e (terms a) -> (axis e < n spec)%nat.
   Proof.
-    unfold last_ones; rewrite in_app_iff, in_flat_map, in_map_iff.
-    intros [(i & I & H)|(f & <- & _)]; [|apply inner_dims]. apply in_seq in I. destruct H as [<-|[<-|[]]]; intros [<-|[]] [<-|[]]; cbn; lia.
+    unfold requirements_at_end; rewrite in_app_iff, in_flat_map, in_map_iff.
+    intros [(i & I & H)|(f & <- & _)]; [|apply half_space_axes]. apply in_seq in I. destruct H as [<-|[<-|[]]]; intros [<-|[]] [<-|[]]; cbn; lia.
   Qed.
 
-  Lemma facing_weighted low up v z m : weighted low up (Atom (facing m v) z) = total m (fun i => IZR (v i) * (if (0 <? v i)%Z then low i else up i)).
+  Lemma facing_corner_weighted low up v z m : weighted_edges low up (EdgeInequality (facing_corner m v) z) = total m (fun i => IZR (v i) * (if (0 <? v i)%Z then low i else up i)).
   Proof.
-    unfold weighted; cbn [terms]. induction m as [|m IH]; cbn [facing total]; [reflexivity|].
-    destruct (v m); cbn [fold_right dim wl wu Z.ltb Z.compare]; rewrite IH; ring.
+    unfold weighted_edges; cbn [terms]. induction m as [|m IH]; cbn [facing_corner total]; [reflexivity|].
+    destruct (v m); cbn [fold_right axis lower_weight upper_weight Z.ltb Z.compare]; rewrite IH; ring.
   Qed.
-  Lemma facing_nonzero v : forall m, facing m v <> [] -> exists i, (i < m)%nat /\ v i <> 0%Z.
+  Lemma facing_corner_nonzero v : forall m, facing_corner m v <> [] -> exists i, (i < m)%nat /\ v i <> 0%Z.
   Proof.
-    induction m as [|m IH]; cbn [facing]; [easy|]. intro H. destruct (v m) eqn:E.
+    induction m as [|m IH]; cbn [facing_corner]; [easy|]. intro H. destruct (v m) eqn:E.
     1: destruct (IH H) as (i & Hi & Ne); exists i; split; [lia|exact Ne].
     all: exists m; split; [lia|rewrite E; easy].
   Qed.
-  Lemma norm_1_ok m v : IZR (norm_1 m v) = total m (fun i => Rabs (IZR (v i))).
+  Lemma norm_1_value m v : IZR (norm_1 m v) = total m (fun i => Rabs (IZR (v i))).
   Proof. induction m as [|m IH]; cbn [norm_1 total]; [reflexivity|]. now rewrite plus_IZR, IH, abs_IZR. Qed.
 
-  Let between (x : nat -> R) (t : R) : Prop := forall i, (i < n k)%nat -> L i t <= x i <= U i t.
+  Let between_edges (x : nat -> R) (t : R) : Prop := forall i, (i < n spec)%nat -> L i t <= x i <= U i t.
 
-  Lemma facing_ok v z x t : between x t -> meaning t (Atom (facing (n k) v) z) ->
-    Q2R unit * IZR z <= total (n k) (fun i => IZR (v i) * x i) + Q2R err * total (n k) (fun i => Rabs (IZR (v i))).
+  Lemma facing_corner_bounds v z x t : between_edges x t -> inequality_holds_at t (EdgeInequality (facing_corner (n spec) v) z) ->
+    Q2R unit * IZR z <= total (n spec) (fun i => IZR (v i) * x i) + Q2R edge_error * total (n spec) (fun i => Rabs (IZR (v i))).
   Proof.
-    intros B M. unfold meaning in M. cbn [least] in M. rewrite facing_weighted in M. apply (Rle_trans _ _ _ M).
-    rewrite <- total_scal, <- total_plus. apply total_le. intros i Hi. specialize (B i Hi). destruct (near' i t Hi) as [[L1 L2] [U1 U2]].
+    intros B M. unfold inequality_holds_at in M. cbn [bound] in M. rewrite facing_corner_weighted in M. apply (Rle_trans _ _ _ M).
+    rewrite <- total_scale, <- total_plus. apply total_le. intros i Hi. specialize (B i Hi). destruct (exact_edges_range i t Hi) as [[L1 L2] [U1 U2]].
     destruct (Z.ltb_spec 0 (v i)) as [P|P].
     - apply IZR_lt in P. rewrite Rabs_pos_eq by lra.
-      assert (IZR (v i) * lower i t <= IZR (v i) * (x i + Q2R err)) by (apply Rmult_le_compat_l; lra). lra.
+      assert (IZR (v i) * lower i t <= IZR (v i) * (x i + Q2R edge_error)) by (apply Rmult_le_compat_l; lra). lra.
     - apply IZR_le in P. rewrite Rabs_left1 by lra.
-      assert (- IZR (v i) * (x i - Q2R err) <= - IZR (v i) * upper i t) by (apply Rmult_le_compat_l; lra). lra.
+      assert (- IZR (v i) * (x i - Q2R edge_error) <= - IZR (v i) * upper i t) by (apply Rmult_le_compat_l; lra). lra.
   Qed.
 
-  Lemma inner_ok f x t : between x t -> (exists a, In a (inner (n k) f) /\ meaning t a) -> total (n k) (fun i => at_ (fst f) i * x i) <= Q2R (snd f).
+  Lemma edges_within_half_space_sound f x t : between_edges x t -> (exists a, In a (edges_within_half_space (n spec) f) /\ inequality_holds_at t a) -> total (n spec) (fun i => real_at (fst f) i * x i) <= Q2R (snd f).
   Proof.
-    intros B (a & I & M). unfold inner in I. cbv zeta in I. set (d := fold_right _ _ _) in I. destruct (_ && _)%bool eqn:C; [|easy].
+    intros B (a & I & M). unfold edges_within_half_space in I. cbv zeta in I. set (d := fold_right _ _ _) in I. destruct (_ && _)%bool eqn:C; [|easy].
     rewrite andb_true_iff, forallb_forall in C. destruct C as [D W]. apply Z.ltb_lt, IZR_lt in D. destruct I as [<-|[]].
-    apply (facing_ok _ _ x t B) in M. rewrite <- norm_1_ok in M.
-    set (q := (err * _ - _)%Q) in M. pose proof (above_ok q) as A. unfold q in A at 1. rewrite Q2R_minus, !Q2R_mult, !Q2R_Z in A.
-    rewrite (total_eq (n k) _ (fun i => - IZR d * (at_ (fst f) i * x i))) in M.
-    - rewrite total_scal in M. apply (Rmult_le_reg_l (IZR d)); lra.
+    apply (facing_corner_bounds _ _ x t B) in M. rewrite <- norm_1_value in M.
+    set (q := (edge_error * _ - _)%Q) in M. pose proof (steps_above_bounds q) as A. unfold q in A at 1. rewrite Q2R_minus, !Q2R_mult, !Q2R_Z in A.
+    rewrite (total_eq (n spec) _ (fun i => - IZR d * (real_at (fst f) i * x i))) in M.
+    - rewrite total_scale in M. apply (Rmult_le_reg_l (IZR d)); lra.
     - intros i Hi. assert (E := W i ltac:(apply in_seq; lia)). apply Qeq_bool_iff, Qeq_eqR in E. rewrite Q2R_mult, !Q2R_Z in E.
-      rewrite opp_IZR, E. unfold at_. ring.
+      rewrite opp_IZR, E. unfold real_at. ring.
   Qed.
 
-  Lemma beyond_ok o ns t : (exists a, In a (flat_map (beyond (n k) (clearance k) o) ns) /\ meaning t a) ->
-    separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t).
+  Lemma beyond_set_along_normal_separates o ns t : (exists a, In a (flat_map (beyond_set_along_normal (n spec) (clearance spec) o) ns) /\ inequality_holds_at t a) ->
+    separated (n spec) (Q2R (clearance spec)) o (fun i => L i t) (fun i => U i t).
   Proof.
-    intros (a & I & M). apply in_flat_map in I. destruct I as (v & _ & I). unfold beyond in I.
-    set (w := fun i => nth i (fst v) 0%Z) in *. destruct (facing (n k) w) eqn:F; [easy|]. rewrite <- F in I.
-    assert (Nz := facing_nonzero w (n k) ltac:(rewrite F; easy)). destruct I as [<-|[]].
-    set (q := (support _ _ _ _ + _)%Q) in *. pose proof (above_ok q) as A. unfold q in A.
-    rewrite Q2R_plus, Q2R_mult, Q2R_plus, Q2R_Z, norm_1_ok in A. fold q in A.
+    intros (a & I & M). apply in_flat_map in I. destruct I as (v & _ & I). unfold beyond_set_along_normal in I.
+    set (w := fun i => nth i (fst v) 0%Z) in *. destruct (facing_corner (n spec) w) eqn:F; [easy|]. rewrite <- F in I.
+    assert (Nz := facing_corner_nonzero w (n spec) ltac:(rewrite F; easy)). destruct I as [<-|[]].
+    set (q := (support_bound _ _ _ _ + _)%Q) in *. pose proof (steps_above_bounds q) as A. unfold q in A.
+    rewrite Q2R_plus, Q2R_mult, Q2R_plus, Q2R_Z, norm_1_value in A. fold q in A.
     exists (fun i => IZR (w i)). split.
     - destruct Nz as (i & Hi & Ne). exists i. split; [exact Hi|]. intro E. apply Ne. now apply eq_IZR.
-    - intros x y Hx Hy. assert (B := support_ok (n k) w (snd v) o y Hy).
-      assert (C := facing_ok w _ x t Hx M). lra.
+    - intros x y Hx Hy. assert (B := support_bounds (n spec) w (snd v) o y Hy).
+      assert (C := facing_corner_bounds w _ x t Hx M). lra.
   Qed.
 
   Theorem tube_sound :
-    (* P1 *) (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
-    (* P2 *) (forall i, (i < n k)%nat -> L i 0 < at_ (x0 k) i < U i 0 /\ in_box (start k) i 0) /\
-    (* P3 *) (forall i t, (i < n k)%nat -> in_box (space k) i t) /\
-    (* P4 *) (forall o t, In o (unsafe k) -> separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t)) /\
-    (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box (target k) i t) /\
+    (* P1 *) (forall i t, (i < n spec)%nat -> L i t + Q2R (min_width spec) <= U i t) /\
+    (* P2 *) (forall i, (i < n spec)%nat -> L i 0 < real_at (initial_state spec) i < U i 0 /\ in_box (initial_set spec) i 0) /\
+    (* P3 *) (forall i t, (i < n spec)%nat -> in_box (state_space spec) i t) /\
+    (* P4 *) (forall o t, In o (unsafe_sets spec) -> separated (n spec) (Q2R (clearance spec)) o (fun i => L i t) (fun i => U i t)) /\
+    (* P5 *) (forall i t, (i < n spec)%nat -> Q2R (t_c spec) <= t -> in_box (target_set spec) i t) /\
     (* and where half-spaces cut *)
-    (forall t x, (forall i, (i < n k)%nat -> L i t <= x i <= U i t) -> within_faces (n k) (walls k) x /\ (Q2R (T k) <= t -> within_faces (n k) (goals k) x)).
+    (forall t x, (forall i, (i < n spec)%nat -> L i t <= x i <= U i t) -> within_half_spaces (n spec) (state_half_spaces spec) x /\ (Q2R (t_c spec) <= t -> within_half_spaces (n spec) (target_half_spaces spec) x)).
   Proof.
-    pose proof checked as C; unfold check in C; cbv zeta in C.
+    pose proof tube_checked as C; unfold tube_check in C; cbv zeta in C.
     rewrite !andb_true_iff in C; destruct C as [[[_ HT] Rg] [[Ca Cs] Ce]].
-    apply positive_ok in HT.
-    assert (A := check_table_sound _ _ _ _ _ _ Rg unit_R HT dims_along Ca).
-    assert (S := check_start_sound _ _ _ _ _ Rg unit_R HT dims_first Cs).
-    assert (E := check_end_sound _ _ _ _ _ Rg unit_R HT dims_last Ce).
+    apply is_positive_sound in HT.
+    assert (A := check_table_sound _ _ _ _ _ _ Rg unit_real_pos HT requirements_always_axes Ca).
+    assert (S := check_start_sound _ _ _ _ _ Rg unit_real_pos HT requirements_at_start_axes Cs).
+    assert (E := check_end_sound _ _ _ _ _ Rg unit_real_pos HT requirements_at_end_axes Ce).
     split; [|split; [|split; [|split; [|split]]]].
     - intros i t Hi.
-      destruct (A t [wide i (min_width k + 2 * err)%Q]) as (a & [<-|[]] & M).
-      { unfold along; apply in_app_iff; left. apply (in_map (fun i => [wide i (min_width k + 2 * err)%Q])), in_seq; lia. }
-      now apply wide_ok in M.
+      destruct (A t [width_at_least i (min_width spec + 2 * edge_error)%Q]) as (a & [<-|[]] & M).
+      { unfold requirements_always; apply in_app_iff; left. apply (in_map (fun i => [width_at_least i (min_width spec + 2 * edge_error)%Q])), in_seq; lia. }
+      now apply width_at_least_sound in M.
     - intros i Hi.
-      assert (G : forall r, In r (around (x0 k) i ++ within (start k) i) -> exists a, In a r /\ meaning 0 a).
-      { intros r I; apply S; unfold first_ones; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I]. }
+      assert (G : forall r, In r (edges_around_point (initial_state spec) i ++ edges_inside_box (initial_set spec) i) -> exists a, In a r /\ inequality_holds_at 0 a).
+      { intros r I; apply S; unfold requirements_at_start; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I]. }
       split; [split|].
-      + destruct (G _ (or_introl eq_refl)) as (a & [<-|[]] & M); now apply lower_below_ok in M.
-      + destruct (G _ (or_intror (or_introl eq_refl))) as (a & [<-|[]] & M); now apply upper_beyond_ok in M.
-      + apply within_ok; [exact Hi|]; intros r I; apply G, in_app_iff; now right.
-    - intros i t Hi; apply within_ok; [exact Hi|]; intros r I; apply A; unfold along.
+      + destruct (G _ (or_introl eq_refl)) as (a & [<-|[]] & M); now apply lower_less_than_sound in M.
+      + destruct (G _ (or_intror (or_introl eq_refl))) as (a & [<-|[]] & M); now apply upper_greater_than_sound in M.
+      + apply edges_inside_box_sound; [exact Hi|]; intros r I; apply G, in_app_iff; now right.
+    - intros i t Hi; apply edges_inside_box_sound; [exact Hi|]; intros r I; apply A; unfold requirements_always.
       rewrite !in_app_iff; right; left; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I].
-    - intros o t Ho. destruct (clear_of_each (clearance k) o (unsafe k) (normals how) Ho) as (ns & I).
-      apply (beyond_ok o ns), A. unfold along; rewrite !in_app_iff; now do 3 right.
-    - intros i t Hi Ht; apply within_ok; [exact Hi|]; intros r I; apply (E t Ht).
-      unfold last_ones; apply in_app_iff; left; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I].
-    - intros t x B. split; [|intro Ht]; intros f F; apply (inner_ok f x t B).
-      + apply A. unfold along; rewrite !in_app_iff; do 2 right; left. now apply in_map.
-      + apply (E t Ht). unfold last_ones; rewrite in_app_iff; right. now apply in_map.
+    - intros o t Ho. destruct (separation_requirement_exists (clearance spec) o (unsafe_sets spec) (normals plan) Ho) as (ns & I).
+      apply (beyond_set_along_normal_separates o ns), A. unfold requirements_always; rewrite !in_app_iff; now do 3 right.
+    - intros i t Hi Ht; apply edges_inside_box_sound; [exact Hi|]; intros r I; apply (E t Ht).
+      unfold requirements_at_end; apply in_app_iff; left; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I].
+    - intros t x B. split; [|intro Ht]; intros f F; apply (edges_within_half_space_sound f x t B).
+      + apply A. unfold requirements_always; rewrite !in_app_iff; do 2 right; left. now apply in_map.
+      + apply (E t Ht). unfold requirements_at_end; rewrite in_app_iff; right. now apply in_map.
   Qed.
 
   (* and so of every state strictly inside *)
-  Lemma tube_keeps t x : (forall i, (i < n k)%nat -> L i t < x i < U i t) ->
-    in_space k x /\ (forall o, In o (unsafe k) -> clear (n k) (Q2R (clearance k)) o x) /\ (Q2R (T k) <= t -> in_target k x).
+  Lemma inside_tube_meets_task t x : (forall i, (i < n spec)%nat -> L i t < x i < U i t) ->
+    in_space spec x /\ (forall o, In o (unsafe_sets spec) -> clear (n spec) (Q2R (clearance spec)) o x) /\ (Q2R (t_c spec) <= t -> in_target spec x).
   Proof.
     intro I. destruct tube_sound as (_ & _ & P3 & P4 & P5 & P). destruct (P t x) as [W G]; [intros i Hi; specialize (I i Hi); lra|].
     split; [split; [|exact W]|split].
     - intros i Hi. destruct (I i Hi), (P3 i t Hi). lra.
-    - intros o Ho. exact (separated_clear _ _ _ _ _ _ (P4 o t Ho) I).
+    - intros o Ho. exact (strictly_inside_separated_is_clear _ _ _ _ _ _ (P4 o t Ho) I).
     - intro Ht. split; [|exact (G Ht)]. intros i Hi. destruct (I i Hi), (P5 i t Hi Ht). lra.
   Qed.
-End Compile.
+End Requirements.
 

@@ -240,7 +240,7 @@ def test_classes_of_one_name_are_seen() -> None:
 # ---------------------------------------------------------------------------------------------------------- proof/
 
 # Statements for readers: that a definition means what it should.
-FOR_READERS = {"Logarithm.bits_of_double", "Logarithm.bits_of_single", "Semantics.exponent_range", "Sets.clear_solid"}
+FOR_READERS = {"Logarithm.bits_of_double", "Logarithm.bits_of_single", "Semantics.exponent_range", "Sets.clear_shape_of_box"}
 
 
 def library_texts() -> dict[str, str]:

@@ -19,7 +19,7 @@
 From Coq Require Import ZArith QArith Qreals Reals List String.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import IEEE754.BinarySingleNaN.
-From Stt Require Held HeldLaw.
+From Stt Require HeldInputs HeldInputLaw.
 From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Windows Period Design Sound Toml Header.
 Import ListNotations.
 Open Scope R_scope.
@@ -687,10 +687,10 @@ Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
   (Box [(0 # 1); (0 # 1)] [(5 # 1); (5 # 1)]) (* state space *)
   (Box [(0 # 1); (9 # 2)] [(1 # 2); (5 # 1)]) (* initial set *)
   (Box [(9 # 2); (9 # 2)] [(5 # 1); (5 # 1)]) (* target set *)
-  [(solid (Box [(1 # 1); (4 # 1)] [(2 # 1); (5 # 1)]));
-   (solid (Box [(2 # 1); (5 # 2)] [(3 # 1); (7 # 2)]));
-   (solid (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]));
-   (solid (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)]))] (* unsafe sets *)
+  [(shape_of_box (Box [(1 # 1); (4 # 1)] [(2 # 1); (5 # 1)]));
+   (shape_of_box (Box [(2 # 1); (5 # 2)] [(3 # 1); (7 # 2)]));
+   (shape_of_box (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]));
+   (shape_of_box (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)]))] (* unsafe sets *)
   (3 # 100) (1 # 20) (* clearance, least width *)
   [] [] (* half-spaces that cut state space and target *))%Q.
 Lemma task_read : task_in the_toml = Some ("omni_s1"%string, the_task).
@@ -703,34 +703,34 @@ Proof. vm_cast_no_check (eq_refl true). Qed.
 Definition the_unit : Q := (1 # 1048576).
 Definition the_error : Q := (1 # 131072).
 
-Definition the_source := read (suffix Single) "omni_s1"%string the_text.
+Definition the_source := read_source (literal_suffix Single) "omni_s1"%string the_text.
 Definition the_constants : constants := Eval vm_compute in constants_of Single the_source.
 Definition the_coefficients : list decimal := Eval vm_compute in coefficients_of the_source.
 Definition the_table : Tube.table := Eval vm_compute in rows_of Single the_unit the_constants the_coefficients.
-Definition the_scale : scale := Eval vm_compute in scale_of Single the_constants.
+Definition the_scale : time_scale := Eval vm_compute in scale_of Single the_constants.
 Definition the_gains : list Q := Eval vm_compute in gains_of Single the_constants.
 Definition the_limits : list (option Q) := Eval vm_compute in limits_of Single the_constants.
-Definition the_clamps : list Q := Eval vm_compute in clamps_of Single the_constants.
-Definition the_steps : list Z := Eval vm_compute in steps_of (Tube.n the_task) the_table.
-Definition the_late : Q := Eval vm_compute in late_of Single (Tube.T the_task) the_table the_scale.
-Definition the_program : source := Source (preamble Single the_constants "omni_s1"%string) (emitted_tables the_constants the_coefficients) (Emission.emitted the_constants).
+Definition the_clamp_shares : list Q := Eval vm_compute in clamp_shares_of Single the_constants.
+Definition the_step_maxima : list Z := Eval vm_compute in step_maxima_of (Tube.n the_task) the_table.
+Definition the_time_error : Q := Eval vm_compute in time_error_of Single (Tube.t_c the_task) the_table the_scale.
+Definition the_program : source := Source (expected_directives Single the_constants "omni_s1"%string) (emitted_tables the_constants the_coefficients) (Emission.emitted_functions the_constants).
 
 (* The text is this program: the tables, and the functions that `tube` and `control` are made of. *)
-Lemma text_read : option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some the_program.
+Lemma text_read : option_map relevant_part (read_source (literal_suffix Single) "omni_s1"%string the_text) = Some the_program.
 Proof. vm_cast_no_check (eq_refl (Some the_program)). Qed.
 
 (* How Coq goes about P1 to P5, not believed: how often a segment may be halved, and normals for every unsafe set. *)
-Definition the_search : search := Search 20 [[]; []; []; []].
+Definition the_search : search_plan := SearchPlan 20 [[]; []; []; []].
 (* P1 to P5 of the exact tube, with room for the error. *)
-Lemma tube_checked : check the_unit the_error the_search the_task the_table = true.
+Lemma tube_checked : tube_check the_unit the_error the_search the_task the_table = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
-Lemma slopes_checked : slopes the_error the_task the_table the_steps = true.
+Lemma slopes_checked : slopes_check the_error the_task the_table the_step_maxima = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 (* P7: the arithmetic moves no edge by more than the error. *)
-Lemma rounding_checked : rounding_check Single the_unit the_error the_task the_table the_steps the_scale the_late = true.
+Lemma rounding_checked : rounding_check Single the_unit the_error the_task the_table the_step_maxima the_scale the_time_error = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 (* The constants and the table of the text are these numbers, and of ordinary size. *)
-Lemma constants_checked : constants_check Single the_constants the_coefficients the_unit the_task the_table the_scale the_gains the_clamps the_limits = true.
+Lemma constants_checked : constants_check Single the_constants the_coefficients the_unit the_task the_table the_scale the_gains the_clamp_shares the_limits = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
 (* Its limits on u are there where the task has u_max, and no larger. *)
@@ -741,28 +741,28 @@ Notation number := (binary_float (precision Single) (largest_exponent Single)).
 
 (* What `control` does: *)
 Theorem controller : forall (log_ : number -> number), accurate (precision Single) (largest_exponent Single) log_ ->
-  let A := machine (precision Single) (largest_exponent Single) (Edge.pos_ Single) (Edge.below_ Single) log_ in
+  let A := machine (precision Single) (largest_exponent Single) (Edge.precision_pos_instance Single) (Edge.precision_below_instance Single) log_ in
   forall (t : number) (x : nat -> number),
   is_finite t = true -> (forall i, (i < 2)%nat -> is_finite (x i) = true) ->
   (forall i, (i < 2)%nat -> (Rabs (B2R (x i)) <= 1073741824)%R) ->
-  forall tau, reads Single (B2R t) tau ->
-  let L i := EmittedTube.emitted Single the_unit the_table the_scale fst i (B2R t) in
-  let U i := EmittedTube.emitted Single the_unit the_table the_scale snd i (B2R t) in
+  forall tau, clock_shows Single (B2R t) tau ->
+  let L i := EmittedTube.emitted_edge Single the_unit the_table the_scale fst i (B2R t) in
+  let U i := EmittedTube.emitted_edge Single the_unit the_table the_scale snd i (B2R t) in
   exists program out status,
-    option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some program /\
-    execute A (log_name the_constants) program "@control" [@R_ A t] (places_of A the_constants (fun i => x (Z.to_nat i))) = Some (out, Some (I_ status)) /\
+    option_map relevant_part (read_source (literal_suffix Single) "omni_s1"%string the_text) = Some program /\
+    execute A (log_name the_constants) program "@control" [@RealValue A t] (caller_arrays A the_constants (fun i => x (Z.to_nat i))) = Some (out, Some (IntValue status)) /\
     (status = 0%Z <-> forall i, (i < 2)%nat -> (L i < B2R (x i) < U i)%R) /\ (status = 0 \/ status = 1)%Z /\
-    forall i, (i < 2)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
-      HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R (nth i the_clamps 0%Q)) (Q2R (32 * half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
+    forall i, (i < 2)%nat -> exists v : number, last_stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
+      HeldInputLaw.acts_as_law (Q2R (nth i the_gains 0%Q)) (Q2R (nth i the_clamp_shares 0%Q)) (Q2R (32 * half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
 Proof.
   intros log_ accurate A t x Ft Fx Sx tau Rt L U.
-  destruct (control_acts Single the_constants the_coefficients (preamble Single the_constants "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
-    the_gains the_clamps the_limits tube_checked slopes_checked rounding_checked constants_checked log_ (fun _ => accurate) x Fx Sx t Ft tau Rt) as (out & status & H).
+  destruct (control_runs_as_law Single the_constants the_coefficients (expected_directives Single the_constants "omni_s1"%string) the_unit the_error the_search the_task the_table the_step_maxima the_scale the_time_error
+    the_gains the_clamp_shares the_limits tube_checked slopes_checked rounding_checked constants_checked log_ (fun _ => accurate) x Fx Sx t Ft tau Rt) as (out & status & H).
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
 (* and what its edges are: *)
-Definition tube := emitted_tube_sound Single the_unit the_error the_search the_task the_table the_steps the_scale the_late tube_checked slopes_checked rounding_checked.
+Definition tube := emitted_tube_sound Single the_unit the_error the_search the_task the_table the_step_maxima the_scale the_time_error tube_checked slopes_checked rounding_checked.
 
 
 (* What is said of samples, sensors and plant: an example, for the task has no period: period, latency, share, noise; then by component the most |f|, the least and the most g_ii, the most |g_ij|. *)
@@ -771,7 +771,7 @@ Definition the_conditions : conditions := (Conditions (1 # 1000) (0 # 1) (19 # 2
 Definition the_rhos : list Q := [(39 # 1); (39 # 1)]%Q.
 Definition the_shifts : list Q := [(149 # 16777216); (149 # 16777216)]%Q.
 (* What `period_check` decides on, made of all of these. *)
-Definition the_sampling : sampling := sampled_by 2 the_conditions (loss Single the_constants) the_gains the_clamps the_limits the_rhos the_shifts.
+Definition the_sampling : sampling := sampling_of 2 the_conditions (law_loss Single the_constants) the_gains the_clamp_shares the_limits the_rhos the_shifts.
 (* By window and component a bound on |u| and one on the logarithm in it: they help Coq and are not believed. *)
 Definition the_hints : list (list (Q * Q)) := [
   [((1294644935 # 8388608), (3842323 # 1048576)); ((642610395 # 4194304), (61477077 # 16777216))];
@@ -810,43 +810,43 @@ Definition the_hints : list (list (Q * Q)) := [
 Lemma period_checked : period_check the_unit the_task the_table the_sampling the_hints 1 the_error = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 (* What a measured state is wrong by is counted. *)
-Lemma sensors_checked : at_most_each (sensed Single the_task the_conditions + the_error) (map shift (components the_sampling)) = true.
+Lemma sensors_checked : at_most_all (sensor_error Single the_task the_conditions + the_error) (map component_distance_error (components the_sampling)) = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
 (* The closed loop. Input p is what `control` stores, run on the text's program at clock p with the state measured at the time `taken p`; it acts from `switch p`
    to `switch (p + 1)`. *)
 Theorem closed_loop_example : forall (log_ : number -> number), accurate (precision Single) (largest_exponent Single) log_ ->
-  forall (taken switch : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R) (clock : nat -> number) (measured : nat -> nat -> number) (program : source),
-  option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some program ->
+  forall (sampled_at acts_from : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R) (clock : nat -> number) (measured : nat -> nat -> number) (program : source),
+  option_map relevant_part (read_source (literal_suffix Single) "omni_s1"%string the_text) = Some program ->
   let L i t := Tube.lower the_unit the_task the_table i t in
   let U i t := Tube.upper the_unit the_task the_table i t in
-  let input p i := applied Single log_ the_constants program (clock p) (measured p) i in
+  let input p i := applied_input Single log_ the_constants program (clock p) (measured p) i in
   (* times: the first input acts from 0 on; no acting sample is older than period + latency, none begins to act later than the latency *)
-  (switch 0%nat = 0 /\ forall p, 0 <= taken p <= switch p /\ switch p < switch (S p) /\
-    switch (S p) - taken p <= Q2R (period the_conditions) + Q2R (latency the_conditions) /\ switch p - taken p <= Q2R (latency the_conditions)) ->
-  (forall p, is_finite (clock p) = true /\ reads Single (B2R (clock p)) (taken p)) ->
+  (acts_from 0%nat = 0 /\ forall p, 0 <= sampled_at p <= acts_from p /\ acts_from p < acts_from (S p) /\
+    acts_from (S p) - sampled_at p <= Q2R (sampling_period the_conditions) + Q2R (input_delay the_conditions) /\ acts_from p - sampled_at p <= Q2R (input_delay the_conditions)) ->
+  (forall p, is_finite (clock p) = true /\ clock_shows Single (B2R (clock p)) (sampled_at p)) ->
   (* sensors: the noise, and one rounding of the largest coordinate *)
   (forall p i, (i < 2)%nat -> is_finite (measured p i) = true /\ Rabs (B2R (measured p i)) <= 1073741824 /\
-    Rabs (B2R (measured p i) - x i (taken p)) <= Q2R (sensed Single the_task the_conditions)) ->
+    Rabs (B2R (measured p i) - x i (sampled_at p)) <= Q2R (sensor_error Single the_task the_conditions)) ->
   (forall i t, (i < 2)%nat -> continuity_pt (x i) t) ->
   (* the start: |e| <= share *)
-  (forall i, (i < 2)%nat -> Rabs (2 * x i 0 - L i 0 - U i 0) <= Q2R (share the_conditions) * (U i 0 - L i 0)) ->
+  (forall i, (i < 2)%nat -> Rabs (2 * x i 0 - L i 0 - U i 0) <= Q2R (start_share the_conditions) * (U i 0 - L i 0)) ->
   (* the plant *)
-  (forall p t, switch p < t < switch (S p) -> (forall i, (i < 2)%nat -> L i t < x i t < U i t) -> forall i, (i < 2)%nat ->
+  (forall p t, acts_from p < t < acts_from (S p) -> (forall i, (i < 2)%nat -> L i t < x i t < U i t) -> forall i, (i < 2)%nat ->
     is_derive (x i) t (push i t + total 2 (fun j => G i j t * input p j)) /\
-    Rabs (push i t) <= at_ (forces the_conditions) i /\ at_ (least_gains the_conditions) i <= G i i t <= at_ (most_gains the_conditions) i /\
-    forall j, (j < 2)%nat -> j <> i -> Rabs (G i j t) <= at_ (cross_gains the_conditions) i) ->
-  forall p t, 0 <= t <= switch p ->
-    (forall i, (i < 2)%nat -> Rabs (2 * x i t - L i t - U i t) <= (at_ the_rhos i - 1) / (at_ the_rhos i + 1) * (U i t - L i t)) /\
+    Rabs (push i t) <= real_at (forces_max the_conditions) i /\ real_at (diagonal_gains_min the_conditions) i <= G i i t <= real_at (diagonal_gains_max the_conditions) i /\
+    forall j, (j < 2)%nat -> j <> i -> Rabs (G i j t) <= real_at (cross_gains_max the_conditions) i) ->
+  forall p t, 0 <= t <= acts_from p ->
+    (forall i, (i < 2)%nat -> Rabs (2 * x i t - L i t - U i t) <= (real_at the_rhos i - 1) / (real_at the_rhos i + 1) * (U i t - L i t)) /\
     in_space the_task (fun i => x i t) /\
-    (forall o, In o (unsafe the_task) -> clear 2 (Q2R (clearance the_task)) o (fun i => x i t)) /\
-    (Q2R (Tube.T the_task) <= t -> in_target the_task (fun i => x i t)).
+    (forall o, In o (unsafe_sets the_task) -> clear 2 (Q2R (clearance the_task)) o (fun i => x i t)) /\
+    (Q2R (Tube.t_c the_task) <= t -> in_target the_task (fun i => x i t)).
 Proof.
-  intros log_ accurate taken switch x push G clock measured program Text L U input Times Clock Sensors Continuous Start Plant.
+  intros log_ accurate sampled_at acts_from x push G clock measured program Text L U input Times Clock Sensors Continuous Start Plant.
   rewrite text_read in Text. injection Text as <-.
-  exact (controller_sound Single the_constants the_coefficients (preamble Single the_constants "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
-    the_gains the_clamps the_limits the_conditions the_rhos the_shifts the_hints 1 tube_checked slopes_checked rounding_checked constants_checked period_checked sensors_checked
-    log_ (fun _ => accurate) taken switch x push G measured Times Sensors Continuous Start clock Clock Plant).
+  exact (controller_sound Single the_constants the_coefficients (expected_directives Single the_constants "omni_s1"%string) the_unit the_error the_search the_task the_table the_step_maxima the_scale the_time_error
+    the_gains the_clamp_shares the_limits the_conditions the_rhos the_shifts the_hints 1 tube_checked slopes_checked rounding_checked constants_checked period_checked sensors_checked
+    log_ (fun _ => accurate) sampled_at acts_from x push G measured Times Sensors Continuous Start clock Clock Plant).
 Qed.
 
 Definition theorems := (task_read, header_read, text_read, limits_checked, controller, tube, closed_loop_example).

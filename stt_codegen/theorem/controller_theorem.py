@@ -61,7 +61,7 @@ def find_example_sampling(facts: Facts) -> SampledFacts | None:
     ones, zeros = (Fraction(1),) * n, (Fraction(0),) * n
     shift = _round_up(facts.edge_error * facts.unit + measurement_error(facts, noise))
     law_error = Fraction(1, 1 << 14) if facts.has_inline_logarithm else Fraction(32, 1 << FORMATS[facts.scalar].bits)
-    for percent in range(95, 0, -1):  # nearer to an edge, proof/HeldLaw.v does not bound the logarithm closely enough
+    for percent in range(95, 0, -1):  # nearer to an edge, proof/HeldInputLaw.v does not bound the logarithm closely enough
         share = Fraction(percent, 100)
         numbers = SampledFacts(
             period=Fraction(1, 1000),

@@ -37,7 +37,7 @@ from stt_codegen.theorem.facts import Facts, SampledFacts
 HINT_BITS = 24  # of a hint after the binary point, so that fractions in Coq stay short
 INPUT_MARGIN = 1 + Fraction(1, 1 << 20)
 CELL_COUNTS = (1, 2, 4, 8, 16, 32, 64, 128)
-LOGARITHM_MARGIN = Fraction(1, 1 << 16)  # proof/HeldLaw.v knows exponentials that closely
+LOGARITHM_MARGIN = Fraction(1, 1 << 16)  # proof/HeldInputLaw.v knows exponentials that closely
 FLOAT_MARGIN = 2.0**-16  # of the conditions that are decided here in floating point, and by Coq exactly
 Array = npt.NDArray[Any]
 Hint = tuple[Fraction, Fraction]  # bounds on |u| and on the logarithm

@@ -47,9 +47,9 @@ def coq_half_spaces(half_spaces: Iterable[HalfSpace]) -> str:
 
 
 def coq_shape(unsafe: Shape) -> str:
-    """Return an unsafe set as proof/Sets.v has it: an extent alone is `solid`, all other sets are a `Shape`."""
+    """Return an unsafe set as proof/Sets.v has it: an extent alone is `shape_of_box`, all other sets are a `Shape`."""
     if is_box(unsafe):
-        return f"(solid {coq_box(unsafe.extent)})"
+        return f"(shape_of_box {coq_box(unsafe.extent)})"
     core = f"(Hull {coq_points(unsafe.points)})"
     if unsafe.half_spaces:
         core = f"(Cut {coq_box(unsafe.core_box)} {coq_half_spaces(unsafe.half_spaces)})"
@@ -63,7 +63,7 @@ def coq_search(facts: Facts) -> str:
         "; ".join(f"([{'; '.join(map(coq_integer, normal))}]%Z, {coq_list(multipliers)}%Q)" for normal, multipliers in normals)
         for normals in facts.normals
     ]
-    return f"Search {SEARCH_DEPTH} [{'; '.join(f'[{normals}]' for normals in sets)}]"
+    return f"SearchPlan {SEARCH_DEPTH} [{'; '.join(f'[{normals}]' for normals in sets)}]"
 
 
 def coq_integer(value: int) -> str:
@@ -84,7 +84,7 @@ def coq_dyadic(value: Fraction) -> str:
 
 def coq_statement(statement: Statement) -> str:
     sign, *operands = statement
-    return f"Stmt {OPERATION_NAMES[sign]} {' '.join(f'({kind} {coq_integer(value)})' for kind, value in operands)}"
+    return f"Assignment {OPERATION_NAMES[sign]} {' '.join(f'({kind} {coq_integer(value)})' for kind, value in operands)}"
 
 
 def describe_theorems(facts: Facts, reason: str) -> str:

@@ -19,8 +19,8 @@ PAGE = (ROOT / "docs" / "task.md").read_text()
 
 
 def keys_of_coq() -> dict[str, set[str]]:
-    """The list `sections_known` of proof/Toml.v."""
-    (text,) = re.findall(r"Definition sections_known [^=]*:= \[(.*?)\]\.\n", COQ, re.S)
+    """The list `known_sections` of proof/Toml.v."""
+    (text,) = re.findall(r"Definition known_sections [^=]*:= \[(.*?)\]\.\n", COQ, re.S)
     return {table: set(re.findall(r'"(\w+)"', keys)) for table, keys in re.findall(r'\("(\w*)", \[(.*?)\]\)', text)}
 
 
