@@ -16,7 +16,7 @@ import pytest
 from flint import arb, ctx
 from typer.testing import CliRunner
 
-from benchmarks.sampled import drawn, factor, violations
+from benchmarks.sampled import draw_loop, failure_factor, violations
 from stt_codegen.certify.adaptive.enclosure import enclosed_tube, enclosed_windows
 from stt_codegen.cli.main import app
 from stt_codegen.errors import NotCertified
@@ -73,8 +73,8 @@ def test_no_adversary_reaches_the_proved_bound(statement: str, is_coupled: bool)
     draw = random.Random(7)
     proved_count = 0
     for seed in range(8):
-        loop, share = drawn(draw, is_coupled), draw.uniform(0, 0.9)
-        period = longest_proved_period(statement, loop.setting(2 * math.atanh(share) * (1 + 1e-9)))
+        loop, share = draw_loop(draw, is_coupled), draw.uniform(0, 0.9)
+        period = longest_proved_period(statement, loop.to_sampled_loop(2 * math.atanh(share) * (1 + 1e-9)))
         if period is not None:
             proved_count += 1
             assert not violations(loop, statement, period, share, seed)
@@ -84,18 +84,25 @@ def test_no_adversary_reaches_the_proved_bound(statement: str, is_coupled: bool)
 def test_the_adversaries_break_a_loop_at_some_longer_period() -> None:
     """Otherwise the test above would show nothing."""
     draw = random.Random(7)
-    loop = drawn(draw, False)
-    period = longest_proved_period("sharp", loop.setting(2 * math.atanh(0.5)))
+    loop = draw_loop(draw, False)
+    period = longest_proved_period("sharp", loop.to_sampled_loop(2 * math.atanh(0.5)))
     assert period is not None
-    assert 1 < factor(loop, period, 0.5, 1) < 20
+    assert 1 < failure_factor(loop, period, 0.5, 1) < 20
 
 
 def test_the_adversaries_exceed_a_bound_on_u_that_ignores_noise() -> None:
     """With noise the law may measure x nearer to an edge than it is, so |u| exceeds its bound without noise, and not the proved one."""
     loop = replace(
-        drawn(random.Random(7), False), noise=0.02, narrow=0.5, wide=0.5, speed=0.1, push=0.1, latency=0.0, u_max=math.inf
+        draw_loop(random.Random(7), False),
+        noise=0.02,
+        narrow=0.5,
+        wide=0.5,
+        edge_speed=0.1,
+        plant_bound=0.1,
+        latency=0.0,
+        u_max=math.inf,
     )
-    period = longest_proved_period("sharp", loop.setting(2 * math.atanh(0.9)))
+    period = longest_proved_period("sharp", loop.to_sampled_loop(2 * math.atanh(0.9)))
     assert period is not None
     bound_without_noise = (loop.gain * 4 * q(period.eps_bound[0]) / loop.narrow,)
     assert violations(loop, "sharp", replace(period, u=bound_without_noise), 0.9, 1)
@@ -378,7 +385,7 @@ STATEMENTS_IN_BALLS = ("diagonal", "general")  # statements of the sampling cond
 
 def loop_with_large_noise(gain: float) -> SampledLoop:
     """Return a loop of one component whose noise is nearly the smallest distance that its law measures."""
-    loop = replace(drawn(random.Random(7), False), noise=1e-9, latency=0.0, u_max=math.inf).setting(0.1)
+    loop = replace(draw_loop(random.Random(7), False), noise=1e-9, latency=0.0, u_max=math.inf).to_sampled_loop(0.1)
     return loop.with_law(gain=np.full_like(loop.law.gain, gain))
 
 
