@@ -1,4 +1,4 @@
-"""Run an emitted node of ROS 2 with a simulated plant: whether it arrives, when it stops, and after how many milliseconds it answers.
+"""Run an emitted node of ROS 2 with a simulated plant: whether it arrives, when it stops, and how fast it answers.
 
     build/ros/bin/python -m benchmarks ros SITE TASK RATE [--clock SPEED]
 

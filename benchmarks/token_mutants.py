@@ -1,10 +1,10 @@
-"""Does the stand-alone checker read every token? Each token of shipped C and headers changed, one at a time, and every claim.
+"""Change each token of shipped C, and each claim of a certificate, one at a time: the stand-alone checker must refuse.
 
     python -m benchmarks token_mutants [--every 1] [--task trolley --task omni_board] [--processes 2]
 
-A changed file gets new hashes, so only what the checker reads can refuse it. What is accepted must mean the same, and is listed
-with the reason: a literal of the same value, a local that is no longer `const`, and of a controller in integers a row of the
-curves with which the law is within its bound too. Exit code 1 where something else is accepted.
+A changed file gets new hashes, so that the checker must read the change to refuse it. A change may be accepted if it has the same
+meaning: a literal of the same value, a local that is no longer `const`, or in a controller in integers a row of the curves that
+keeps the law within its error bound. Such changes are listed with the reason. The exit code is 1 where another is accepted.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ TOKEN = re.compile(
     re.DOTALL,
 )
 TASKS = ("trolley", "omni_board", "gantry", "crane")
-SIGNS = ("+", "-", "*", "/", "<", "<=", ">", "&&", "!", "==", "?", ":", ",", ";")
-WORDS = (
+PUNCTUATION = ("+", "-", "*", "/", "<", "<=", ">", "&&", "!", "==", "?", ":", ",", ";")
+KNOWN_WORDS = (
     "int32_t",
     "uint32_t",
     "bool",
@@ -61,64 +61,68 @@ WORDS = (
 
 
 @dataclass(frozen=True)
-class Mutant:
-    """One change of one file: where, what stood there and what stands there now."""
+class TokenMutant:
+    """A token of a file, its replacement, and the line of the file. position: in characters."""
 
     file: str
-    place: int
-    before: str
-    after: str
+    position: int
+    token: str
+    replacement: str
     line: str
 
 
 @cache
-def files_of(task: str) -> dict[str, bytes]:
+def shipped_files(task: str) -> dict[str, bytes]:
+    """Return the files that are generated for a task, by name."""
     return build(ROOT / "tasks" / f"{task}.toml").files
 
 
-def mutants(task: str, every: int = 1) -> Iterator[Mutant]:
-    """One for each token that is no comment: another number, another name of the file, another sign, or nothing."""
-    for name, data in files_of(task).items():
+def token_mutants(task: str, step: int = 1) -> Iterator[TokenMutant]:
+    """Yield a mutant for every `step`-th token of C and header, comments apart.
+
+    The replacement is another number, another name of the file, another punctuation mark, or nothing.
+    """
+    for name, data in shipped_files(task).items():
         if name not in (f"{task}.c", f"{task}.h"):
             continue
         text = data.decode()
-        found = [m for m in TOKEN.finditer(text) if not m.group().startswith("/*")]
-        names = sorted({m.group() for m in found if re.match(r"[A-Za-z_]", m.group())} | set(WORDS))
-        for k, match in enumerate(found):
-            if k % every == 0:
-                after = other(match.group(), names, Random(f"{name} {k}"))
+        matches = [m for m in TOKEN.finditer(text) if not m.group().startswith("/*")]
+        names = sorted({m.group() for m in matches if re.match(r"[A-Za-z_]", m.group())} | set(KNOWN_WORDS))
+        for k, match in enumerate(matches):
+            if k % step == 0:
+                replacement = replacement_token(match.group(), names, Random(f"{name} {k}"))
                 line = text[text.rfind("\n", 0, match.start()) + 1 : text.find("\n", match.end())].strip()
-                yield Mutant(name, match.start(), match.group(), after, line)
+                yield TokenMutant(name, match.start(), match.group(), replacement, line)
 
 
-def other(token: str, names: list[str], dice: Random) -> str:
-    """What takes a token's place."""
-    if dice.random() < 0.1:
+def replacement_token(token: str, names: list[str], rng: Random) -> str:
+    """Draw what replaces a token."""
+    if rng.random() < 0.1:
         return ""
     if token[0] == '"':
         return '"other"'
     if re.match(r"\d", token):
-        return dice.choice((number(token, dice), number(token, dice), dice.choice(names)))
+        return rng.choice((replacement_number(token, rng), replacement_number(token, rng), rng.choice(names)))
     if re.match(r"[A-Za-z_]", token):
-        return dice.choice([v for v in names if v != token])
-    return dice.choice([v for v in SIGNS if v != token])
+        return rng.choice([v for v in names if v != token])
+    return rng.choice([v for v in PUNCTUATION if v != token])
 
 
-def number(token: str, dice: Random) -> str:
-    """Another number of the same kind: a digit changed, or one more or less."""
+def replacement_number(token: str, rng: Random) -> str:
+    """Draw another number of the same kind: a digit is changed or, of an integer, the value is near or about twice as large."""
     if "." in token or token.startswith("0x"):
-        places = [m.start() for m in re.finditer(r"\d", token) if m.start() != 1 or not token.startswith("0x")]
-        k = dice.choice(places)
-        return token[:k] + str((int(token[k]) + dice.randrange(1, 10)) % 10) + token[k + 1 :]
+        digits = [m.start() for m in re.finditer(r"\d", token) if m.start() != 1 or not token.startswith("0x")]
+        k = rng.choice(digits)
+        return token[:k] + str((int(token[k]) + rng.randrange(1, 10)) % 10) + token[k + 1 :]
     value, unsigned = int(token.rstrip("U")), "U" if token.endswith("U") else ""
-    return dice.choice((f"{value + 1}{unsigned}", f"{max(value - 1, 0) if value else 2}{unsigned}", f"{2 * value + 1}{unsigned}"))
+    return rng.choice((f"{value + 1}{unsigned}", f"{max(value - 1, 0) if value else 2}{unsigned}", f"{2 * value + 1}{unsigned}"))
 
 
-def changed(mutant: Mutant, task: str) -> dict[str, bytes]:
-    """The files with the change and new hashes."""
-    files = dict(files_of(task))
-    text, place = files[mutant.file].decode(), mutant.place
-    files[mutant.file] = (text[:place] + mutant.after + text[place + len(mutant.before) :]).encode()
+def changed_files(mutant: TokenMutant, task: str) -> dict[str, bytes]:
+    """Return the shipped files with the change, and with its hash in the certificate."""
+    files = dict(shipped_files(task))
+    text, position = files[mutant.file].decode(), mutant.position
+    files[mutant.file] = (text[:position] + mutant.replacement + text[position + len(mutant.token) :]).encode()
     proof = f"{task}.certificate.json"
     document = json.loads(files[proof])
     document["sha256"][mutant.file] = hashlib.sha256(files[mutant.file]).hexdigest()
@@ -126,8 +130,8 @@ def changed(mutant: Mutant, task: str) -> dict[str, bytes]:
     return files
 
 
-def accepted(files: dict[str, bytes], task: str) -> bool:
-    """Whether the checker says yes. A program error in it counts as a refusal only if it says so."""
+def is_accepted(files: dict[str, bytes], task: str) -> bool:
+    """Return whether the checker verifies the files. An exception that it does not catch is raised."""
     with (
         tempfile.TemporaryDirectory() as folder,
         contextlib.redirect_stdout(io.StringIO()),
@@ -139,49 +143,55 @@ def accepted(files: dict[str, bytes], task: str) -> bool:
         return checker.main([str(ROOT / "tasks" / f"{task}.toml"), *paths]) == 0
 
 
-def judge(mutant: Mutant, task: str) -> tuple[Mutant, bool]:
-    return mutant, accepted(changed(mutant, task), task)
+def judge_mutant(mutant: TokenMutant, task: str) -> tuple[TokenMutant, bool]:
+    return mutant, is_accepted(changed_files(mutant, task), task)
 
 
-def same_meaning(mutant: Mutant, task: str) -> str:
-    """Why a changed token means the same, in words; empty where it does not."""
-    if as_right(mutant, task):
-        return "a row of the curves that is as right"
-    if mutant.before == "const" and not mutant.after and mutant.line.startswith("const "):
+def reason_for_same_meaning(mutant: TokenMutant, task: str) -> str:
+    """Return why a mutant has the same meaning as the shipped file; an empty text where it has another."""
+    if is_accurate_curve_row(mutant, task):
+        return "a row of the curves that is within its error bound"
+    if mutant.token == "const" and not mutant.replacement and mutant.line.startswith("const "):
         return "a local that is no longer const"
-    if all(re.fullmatch(r"\d+\.\d+(?:e-?\d+)?F", v) for v in (mutant.before, mutant.after)):
-        before, after = (round_to(Fraction(v[:-1]), "float") for v in (mutant.before, mutant.after))
+    if all(re.fullmatch(r"\d+\.\d+(?:e-?\d+)?F", v) for v in (mutant.token, mutant.replacement)):
+        before, after = (round_to(Fraction(v[:-1]), "float") for v in (mutant.token, mutant.replacement))
         return "a literal of the same float" if before == after else ""
     return ""
 
 
-def as_right(mutant: Mutant, task: str) -> bool:
-    """Whether the change is one of a table of the curves of a controller in integers, and every value of them is within 2^-11 of
-    1/d or H: the law may be wrong by 2^-10."""
-    text = changed(mutant, task)[mutant.file].decode()
-    found = {
+def is_accurate_curve_row(mutant: TokenMutant, task: str) -> bool:
+    """Return whether the mutant changes a table of the curves of a controller in integers, and they are still accurate.
+
+    The curves are 1/d and H of the law. Each must be within 2^-11 of its exact value, relatively, since the law's error may be
+    2^-10.
+    """
+    text = changed_files(mutant, task)[mutant.file].decode()
+    tables = {
         name: list(map(int, body.split(",")))
         for name, body in re.findall(r"const uint\d+_t \w+_(levels|slopes|bends|places)\[\d+\] \w+ = \{([\d,\s]*)\}", text)
     }
-    if len(found) < 4 or not re.fullmatch(r"\d+", mutant.before + mutant.after) or not re.fullmatch(r"\d+,?", mutant.line):
+    if len(tables) < 4 or not re.fullmatch(r"\d+", mutant.token + mutant.replacement) or not re.fullmatch(r"\d+,?", mutant.line):
         return False
     t = np.arange(1 << 16)
-    level, slope, bend, places = (np.array(found[name])[:, None] for name in ("levels", "slopes", "bends", "places"))
+    level, slope, bend, places = (np.array(tables[name])[:, None] for name in ("levels", "slopes", "bends", "places"))
     value = level - ((slope - (bend * t >> 16)) * t >> 17)
-    head, place = np.arange(len(level))[:, None], (t + 0.5) / (1 << 16)
-    over = 2.0**16 / (1 + (head[:16] + place) / 16)
-    e = 1 - (8 + (head[16:] - 16) % 8 + place) / 2.0 ** (4 + (head[16:] - 16) // 8)
-    rise = 8 * np.arctanh(e) / (e * (1 - e * e)) * 2.0 ** (places[16] - places[16:])
-    right = np.concatenate([over, rise * 2.0 ** np.round(np.log2(level[16] / rise[0, 0]))])
-    return bool((value >= 0).all() and (value < 1 << 16).all() and (np.abs(value / right - 1) < 2.0**-11).all())
+    row, position = np.arange(len(level))[:, None], (t + 0.5) / (1 << 16)  # position: in the row, from 0 to 1
+    reciprocal = 2.0**16 / (1 + (row[:16] + position) / 16)
+    e = 1 - (8 + (row[16:] - 16) % 8 + position) / 2.0 ** (4 + (row[16:] - 16) // 8)
+    h = 8 * np.arctanh(e) / (e * (1 - e * e)) * 2.0 ** (places[16] - places[16:])
+    exact = np.concatenate([reciprocal, h * 2.0 ** np.round(np.log2(level[16] / h[0, 0]))])
+    return bool((value >= 0).all() and (value < 1 << 16).all() and (np.abs(value / exact - 1) < 2.0**-11).all())
 
 
 # ------------------------------------------------------------------------------------------------ claims
 
 
-def claims(task: str) -> Iterator[tuple[str, Any]]:
-    """Certificates with one claim changed: every number, word and list, by its path; and every entry left out."""
-    document = json.loads(files_of(task)[f"{task}.certificate.json"])
+def claims_with_a_change(task: str) -> Iterator[tuple[str, Any]]:
+    """Yield certificates with one change, each with a description of it.
+
+    Every number, word and list is changed and left out, and two entries are added. A description has the path of the entry.
+    """
+    document = json.loads(shipped_files(task)[f"{task}.certificate.json"])
 
     def walk(value: Any, path: tuple[Any, ...]) -> Iterator[tuple[tuple[Any, ...], Any]]:
         yield path, value
@@ -189,7 +199,7 @@ def claims(task: str) -> Iterator[tuple[str, Any]]:
             yield from walk(inner, (*path, key))
 
     for path, value in list(walk(document, ()))[1:]:
-        for label, new in changes(value):
+        for label, new in changed_values(value):
             copy = json.loads(json.dumps(document))
             target = copy
             for key in path[:-1]:
@@ -203,41 +213,42 @@ def claims(task: str) -> Iterator[tuple[str, Any]]:
         yield f"{key}: added", {**document, key: 1}
 
 
-def changes(value: Any) -> list[tuple[str, Any]]:
-    """Other values of one claim."""
-    found: list[tuple[str, Any]] = [("left out", None)]
+def changed_values(value: Any) -> list[tuple[str, Any]]:
+    """Return other values of a claim, each with its label; "left out" stands for no value."""
+    alternatives: list[tuple[str, Any]] = [("left out", None)]
     if isinstance(value, bool) or value is None:
-        found.append(("the other", not value))
+        alternatives.append(("negated", not value))
     elif isinstance(value, int):
-        found += [(f"{value + d}", value + d) for d in (1, -1, 10**6)] + [("as a decimal", float(value))]
+        alternatives += [(f"{value + d}", value + d) for d in (1, -1, 10**6)] + [("as a decimal", float(value))]
     elif isinstance(value, str):
-        found.append(("another word", value[:-1] + ("1" if value[-1:] != "1" else "2")))
+        alternatives.append(("another word", value[:-1] + ("1" if value[-1:] != "1" else "2")))
     elif isinstance(value, list):
-        found += [("empty", []), ("twice", value + value)]
+        alternatives += [("empty", []), ("twice", value + value)]
     else:
-        found.append(("empty", {}))
-    return found
+        alternatives.append(("empty", {}))
+    return alternatives
 
 
-def claim_is_true(label: str) -> str:
-    """Changed claims that are true as well."""
+def reason_for_true_claim(label: str) -> str:
+    """Return why the changed claim with this description is true; an empty text where it is not."""
     if label.startswith("sampled.rho"):
-        return "another bound on |e|, proved too"
+        return "another bound on |e|, which is proved, too"
     if re.match(r"claims\.\d+\.hints\.\d+\.2\.", label):
-        return "another normal that shows as much"
-    return "a larger error, allowed for too" if label.startswith("sampled.shift") else ""
+        return "another separating normal"
+    return "a larger error, which the proof allows, too" if label.startswith("sampled.shift") else ""
 
 
-def changed_claims(task: str) -> list[str]:
-    """The changed claims that are accepted."""
+def accepted_claims(task: str) -> list[str]:
+    """Return the descriptions of the changed claims that the checker accepts."""
     return [
         label
-        for label, document in claims(task)
-        if accepted({**files_of(task), f"{task}.certificate.json": json.dumps(document).encode()}, task)
+        for label, document in claims_with_a_change(task)
+        if is_accepted({**shipped_files(task), f"{task}.certificate.json": json.dumps(document).encode()}, task)
     ]
 
 
 def main() -> int:
+    """Check all mutants of each task, and print the accepted ones. Return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--every", type=int, default=1, help="only every so many tokens")
     parser.add_argument("--task", action="append", help=f"tasks/<name>.toml; where none is named {', '.join(TASKS)}")
@@ -246,25 +257,25 @@ def main() -> int:
     wrong = 0
     for task in options.task or TASKS:
         begin = time.perf_counter()
-        if not accepted(files_of(task), task):
-            print(f"{task}: REFUSED as it is")
+        if not is_accepted(shipped_files(task), task):
+            print(f"{task}: REFUSED without a change")
             return 1
         with multiprocessing.Pool(options.processes) as pool:
-            verdicts = list(pool.imap(partial(judge, task=task), mutants(task, options.every), chunksize=20))
-        yes = [m for m, good in verdicts if good]
-        reasons = Counter(same_meaning(m, task) for m in yes)
-        print(f"{task}: {len(verdicts)} changed tokens, {len(yes)} accepted ({time.perf_counter() - begin:.0f} s)")
+            judged = list(pool.imap(partial(judge_mutant, task=task), token_mutants(task, options.every), chunksize=20))
+        accepted = [mutant for mutant, passed in judged if passed]
+        reasons = Counter(reason_for_same_meaning(m, task) for m in accepted)
+        print(f"{task}: {len(judged)} changed tokens, {len(accepted)} accepted ({time.perf_counter() - begin:.0f} s)")
         for reason, count in sorted(reasons.items()):
             print(f"  {count:4d}  {reason or 'WHICH DO NOT MEAN THE SAME'}")
-        for m in yes:
-            if not same_meaning(m, task):
-                print(f"  ACCEPTED: {m.file}: {m.before!r} -> {m.after!r} in: {m.line}")
-        kept = changed_claims(task)
-        told = sum(1 for _ in claims(task))
-        print(f"{task}: {told} changed claims, {len(kept)} accepted")
-        for label in kept:
-            print(f"  {claim_is_true(label) or 'ACCEPTED'}: {label}")
-        wrong += sum(not same_meaning(m, task) for m in yes) + sum(not claim_is_true(label) for label in kept)
+        for m in accepted:
+            if not reason_for_same_meaning(m, task):
+                print(f"  ACCEPTED: {m.file}: {m.token!r} -> {m.replacement!r} in: {m.line}")
+        claims = accepted_claims(task)
+        print(f"{task}: {sum(1 for _ in claims_with_a_change(task))} changed claims, {len(claims)} accepted")
+        for label in claims:
+            print(f"  {reason_for_true_claim(label) or 'ACCEPTED'}: {label}")
+        wrong += sum(not reason_for_same_meaning(m, task) for m in accepted)
+        wrong += sum(not reason_for_true_claim(label) for label in claims)
     return 1 if wrong else 0
 
 

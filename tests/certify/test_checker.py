@@ -117,11 +117,11 @@ def test_checker_and_tool_have_the_same_bound_on_rounding(name: str, scalar: str
 def test_changed_tokens_and_claims_are_refused_unless_they_mean_the_same() -> None:
     """A sample of changed tokens of C, and every changed claim; benchmarks/token_mutants.py checks all tokens."""
     for task, stride in (("trolley", 240), ("omni_board", 288)):
-        for mutant in token_mutants.mutants(task, stride):
-            if token_mutants.accepted(token_mutants.changed(mutant, task), task):
-                assert token_mutants.same_meaning(mutant, task), mutant
-    for label in token_mutants.changed_claims("trolley"):
-        assert token_mutants.claim_is_true(label), label
+        for mutant in token_mutants.token_mutants(task, stride):
+            if token_mutants.is_accepted(token_mutants.changed_files(mutant, task), task):
+                assert token_mutants.reason_for_same_meaning(mutant, task), mutant
+    for label in token_mutants.accepted_claims("trolley"):
+        assert token_mutants.reason_for_true_claim(label), label
 
 
 def gains(source: Path) -> list[str]:
@@ -899,9 +899,9 @@ def test_the_integers_of_another_task_are_refused(old: str, new: str, message: s
 
 @pytest.mark.parametrize(("task", "stride"), [("gantry", 90), ("crane", 120)])
 def test_changed_tokens_of_integers_are_refused_unless_they_mean_the_same(task: str, stride: int) -> None:
-    for mutant in token_mutants.mutants(task, stride):
-        if token_mutants.accepted(token_mutants.changed(mutant, task), task):
-            assert token_mutants.same_meaning(mutant, task), mutant
+    for mutant in token_mutants.token_mutants(task, stride):
+        if token_mutants.is_accepted(token_mutants.changed_files(mutant, task), task):
+            assert token_mutants.reason_for_same_meaning(mutant, task), mutant
 
 
 def integers_of(name: str, tmp_path: Path) -> tuple[checker.Task, checker.Integers, checker.Tube]:

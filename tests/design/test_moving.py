@@ -12,7 +12,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from benchmarks.moving import leaves_a_way, movers, task_of
+from benchmarks.moving import FOUR, draw_moving_sets, has_way, task_of
 from benchmarks.mutants.tubes import MOVING
 from benchmarks.mutations import judge
 from benchmarks.oracles.tubes import first_fault
@@ -402,8 +402,8 @@ def test_a_tube_in_five_dimensions_avoids_a_moving_set() -> None:
 
 def test_random_arenas_of_movers_with_a_route_are_certified() -> None:
     for seed in range(6):
-        arena = movers(seed, 2, 4, 0.5, 1.0, 9.0, False)
-        assert leaves_a_way(arena, 0.1)
+        arena = draw_moving_sets(FOUR, seed)
+        assert has_way(arena, 0.1)
         assert built(task_of(arena)).certificate.holds
 
 
