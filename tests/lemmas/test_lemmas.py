@@ -1,4 +1,4 @@
-"""The lemma book: nothing open, refuted what must be, and no wrong statement or wrong kernel proved."""
+"""The lemma book: no lemma is open, the expected ones are refuted, and no wrong statement or kernel is proved."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ import sympy as sp
 from flint import arb
 from typer.testing import CliRunner
 
-from stt_codegen import constraints as rows
+from stt_codegen import constraints
 from stt_codegen.certify import moving_slack as moving
 from stt_codegen.certify import slack
 from stt_codegen.certify.adaptive import alpha_curves as update_module
@@ -47,7 +47,7 @@ from stt_codegen.task.sets.convex_sets import BoxSet
 from stt_codegen.task.sets.motion import Leg
 from tests.support.controllers import ROOT
 
-REFUTED = {
+REFUTED = {  # statements that do not hold: of the paper as printed, and of rules that look right
     "smooth.plain_max",
     "smooth.printed_float",
     "reach.printed",
@@ -78,17 +78,18 @@ REFUTED = {
 
 
 def lemma(name: str) -> Lemma:
+    """Return the lemma of this name."""
     return next(v for _, lemmas in FAMILIES.values() for v in lemmas if v.name == name)
 
 
-def test_nothing_is_open_only_what_must_be_is_refuted_and_the_pages_say_so() -> None:
-    """One test, for the whole book is proved once only within one: a minute and a half."""
+def test_no_lemma_is_open_the_expected_ones_are_refuted_and_the_pages_are_current() -> None:
+    """This is one test because proving the whole book takes a minute and a half."""
     entries = prove_all()
     assert {e.lemma.name for e in entries if e.verdict is Verdict.REFUTED} == REFUTED
     assert not [(e.lemma.name, e.outcome.evidence) for e in entries if e.verdict is Verdict.OPEN]
     assert all(e.outcome.evidence for e in entries)
     assert (ROOT / "generated" / "lemmas.md").read_text() == page(entries)
-    the_book_in_latex_is_well_formed_and_complete(entries)
+    assert_latex_is_well_formed_and_complete(entries)
 
 
 def test_names_belong_to_their_family_and_are_used_once() -> None:
@@ -97,7 +98,7 @@ def test_names_belong_to_their_family_and_are_used_once() -> None:
     assert len({name for _, name in names}) == len(names)
 
 
-# ---- sabotage: the kernel that is printed made wrong, one family after the other
+# ---- a wrong kernel in place of the printed one, one family after the other
 
 
 def wrong_law() -> ca.Function:
@@ -151,8 +152,8 @@ def wrong_bump(t: ca.SX, shape: Any) -> ca.SX:
     return height * ca.exp(-steepness * d * d / ca.fmax(radius * radius + d * d, cut))
 
 
-WRONG = SimpleNamespace(  # what is bent below is bent from these
-    rows=rows.separation_constraints,
+SHIPPED = SimpleNamespace(  # functions as they are shipped, which the wrong ones below call
+    constraints=constraints.separation_constraints,
     of=update_module.Curve.of,
     beyond=update_module.Curve.beyond,
     cell=update_module.Curve.cell,
@@ -162,7 +163,7 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("module", "name", "wrong", "falls"),
+    ("module", "name", "wrong", "lemma_name"),
     [
         (control_law, "law", wrong_law, "transform.law_shipped"),
         (control_law, "transformed_error", wrong_transform, "transform.xi_shipped"),
@@ -208,9 +209,9 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
         (moving.MovingBounds, "at", lambda bounds, t: (bounds.constant // bounds.denominator).tolist(), "moving.bounds"),
         (Leg, "displacements_at", lambda leg, t: tuple(a for a, _ in leg.displacements), "moving.places"),
         (slack, "halves", lambda piece: (piece[..., :1] + 0 * piece, piece[..., :1] + 0 * piece), "rows.subdivided"),
-        (rows, "initial_state_constraints", lambda task: rows.start_constraints(task), "rows.plain"),
-        (rows, "separation_constraints", lambda convex, clearance: WRONG.rows(convex, Fraction(0)), "rows.apart"),
-        (rows.Constraint, "bound_from", lambda row, origin: row.bound, "rows.moved"),
+        (constraints, "initial_state_constraints", lambda task: constraints.start_constraints(task), "rows.plain"),
+        (constraints, "separation_constraints", lambda convex, clearance: SHIPPED.constraints(convex, Fraction(0)), "rows.apart"),
+        (constraints.Constraint, "bound_from", lambda row, origin: row.bound, "rows.moved"),
         (BoxSet, "support", lambda box, normal: Fraction(0), "rows.support"),
         (
             sampled_windows,
@@ -240,67 +241,71 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
         (
             update_module.Curve,
             "of",
-            classmethod(lambda cls, *rest: replace(WRONG.of(*rest), speed_factor=rest[1])),
+            classmethod(lambda cls, *rest: replace(SHIPPED.of(*rest), speed_factor=rest[1])),
             "update.rounded",
         ),
-        (update_module.Curve, "beyond", lambda self, z, p, q: WRONG.beyond(self, z, p, q + q), "update.root"),
-        (update_module.Curve, "cell", lambda self, *rest: WRONG.cell(self, *rest)[:1] * 3, "update.falls"),
+        (update_module.Curve, "beyond", lambda self, z, p, q: SHIPPED.beyond(self, z, p, q + q), "update.root"),
+        (update_module.Curve, "cell", lambda self, *rest: SHIPPED.cell(self, *rest)[:1] * 3, "update.falls"),
         (update_module.Curve, "balance", lambda self, psi, theta: self.root(psi, theta), "update.rises"),
         (update_module.Curve, "outer", lambda self, a, b: a, "update.promise"),
         (logarithm, "C", Fraction(2, 3), "transform.logarithm"),
-        (theorem_4_1, "E", 2 * theorem_4_1.E, "theorem.edot"),  # no kernel of its own: the definition itself made wrong
+        (theorem_4_1, "E", 2 * theorem_4_1.E, "theorem.edot"),  # it has no kernel; its definition is wrong instead
     ],
 )
 def test_a_wrong_kernel_leaves_its_lemma_open(
-    module: Any, name: str, wrong: Callable[..., Any], falls: str, monkeypatch: Any
+    module: Any, name: str, wrong: Callable[..., Any], lemma_name: str, monkeypatch: Any
 ) -> None:
-    assert lemma(falls).run().verdict is Verdict.PROVED
+    assert lemma(lemma_name).run().verdict is Verdict.PROVED
     monkeypatch.setattr(module, name, wrong)
-    outcome = lemma(falls).run()
-    assert outcome.verdict is not Verdict.PROVED  # open, or refuted where a point says so
+    outcome = lemma(lemma_name).run()
+    assert outcome.verdict is not Verdict.PROVED  # open, or refuted by a point
     assert outcome.evidence
-    assert outcome.method != "none"  # by what was found, not because something cannot be run
+    assert outcome.method != "none"  # a method ran and failed to prove it
 
 
-def test_a_lemma_is_open_where_a_step_of_its_argument_is() -> None:
-    good = lemma("sampled.sharp")
-    proved, verdicts = good.run(), dict.fromkeys(good.steps, Verdict.PROVED)
-    assert with_steps(good, proved, verdicts) == proved
-    for name in good.steps:
+def test_a_lemma_with_an_open_step_is_open() -> None:
+    sharp = lemma("sampled.sharp")
+    proved, verdicts = sharp.run(), dict.fromkeys(sharp.steps, Verdict.PROVED)
+    assert with_steps(sharp, proved, verdicts) == proved
+    for name in sharp.steps:
         for wrong in ({**verdicts, name: Verdict.OPEN}, {k: v for k, v in verdicts.items() if k != name}):
-            outcome = with_steps(good, proved, wrong)
+            outcome = with_steps(sharp, proved, wrong)
             assert outcome.verdict is Verdict.OPEN
             assert name in outcome.evidence[0]
     refuted = Outcome(Verdict.REFUTED, "counterexample", ("at 0",))
-    assert with_steps(good, refuted, {}) == refuted
+    assert with_steps(sharp, refuted, {}) == refuted
 
 
-def test_the_book_asks_for_the_steps(monkeypatch: Any, tmp_path: Any) -> None:
+def test_the_book_makes_a_lemma_with_an_open_step_open(monkeypatch: Any, tmp_path: Any) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
 
-    def made(name: str, verdict: Verdict, *steps: str) -> Lemma:
+    def make_lemma(name: str, verdict: Verdict, *steps: str) -> Lemma:
         return Lemma(name, "", "", (), "ours", lambda: Outcome(verdict, "by hand", ("said",)), steps)
 
-    two = (made("a.one", Verdict.OPEN), made("a.two", Verdict.PROVED, "a.one"), made("a.three", Verdict.PROVED))
-    monkeypatch.setattr(book_module, "FAMILIES", {"a": ("A", two)})
+    lemmas = (
+        make_lemma("a.one", Verdict.OPEN),
+        make_lemma("a.two", Verdict.PROVED, "a.one"),
+        make_lemma("a.three", Verdict.PROVED),
+    )
+    monkeypatch.setattr(book_module, "FAMILIES", {"a": ("A", lemmas)})
     assert [e.verdict for e in prove_all()] == [Verdict.OPEN, Verdict.OPEN, Verdict.PROVED]
 
 
-def test_steps_are_lemmas_that_stand_before_what_names_them() -> None:
+def test_the_steps_of_a_lemma_come_before_it_in_the_book() -> None:
     before: set[str] = set()
     for name in (v.name for _, lemmas in FAMILIES.values() for v in lemmas):
         assert set(lemma(name).steps) <= before
         before.add(name)
 
 
-def test_the_sampled_statements_go_through_a_first_exit() -> None:
+def test_the_sampled_statements_have_the_first_exit_as_a_step() -> None:
     for name in ("sharp", "diagonal", "general"):
         assert lemma(f"sampled.{name}").steps[0] == "sampled.first_exit"
         assert f"sampled.{name}" in lemma(f"sampled.{name}_evaluated").steps
 
 
 @pytest.mark.parametrize(
-    ("module", "name", "wrong", "kernel", "made"),
+    ("module", "name", "wrong", "kernel", "make_kernel"),
     [
         (reach_tube, "sigma", wrong_sigma, "profile", reach_tube.profile),
         (adaptive_tube, "equation", wrong_equation, "update_rate", adaptive_tube.update_rate),
@@ -312,74 +317,79 @@ def test_the_sampled_statements_go_through_a_first_exit() -> None:
     ],
 )
 def test_a_wrong_kernel_of_the_adaptive_tube_leaves_its_lemma_open(
-    module: Any, name: str, wrong: Any, kernel: str, made: Callable[[], ca.Function], monkeypatch: Any
+    module: Any, name: str, wrong: Any, kernel: str, make_kernel: Callable[[], ca.Function], monkeypatch: Any
 ) -> None:
-    shipped = dict(printed_kernels.shipped())  # kept from now on: it must not be made of the wrong ones
+    shipped = dict(printed_kernels.shipped())  # copied before the change, so that only one kernel is wrong
     assert lemma(f"kernels.{kernel}").run().verdict is Verdict.PROVED
     monkeypatch.setattr(module, name, wrong)
-    shipped[kernel] = lower(made())
+    shipped[kernel] = lower(make_kernel())
     monkeypatch.setattr(printed_kernels, "shipped", lambda: shipped)
     assert lemma(f"kernels.{kernel}").run().verdict is Verdict.OPEN
 
 
 def with_function(case: str, function: str, change: Callable[[Any], Any]) -> dict[str, Any]:
-    """The examples with every statement of one function replaced where `change` does so."""
+    """Return the examples, with `change` applied to every statement of one function of one case."""
 
-    def body(statements: Any) -> Any:
+    def changed_body(statements: Any) -> Any:
         return tuple(
-            replace(changed, body=body(changed.body)) if isinstance(changed, For | Return) else changed
+            replace(changed, body=changed_body(changed.body)) if isinstance(changed, For | Return) else changed
             for changed in map(change, statements)
         )
 
     example = examples.cases()[case]
-    functions_ = tuple(replace(f, body=body(f.body)) if f.name == function else f for f in example.program.functions)
-    return {**examples.cases(), case: replace(example, program=replace(example.program, functions=functions_))}
+    changed_functions = tuple(
+        replace(f, body=changed_body(f.body)) if f.name == function else f for f in example.program.functions
+    )
+    return {**examples.cases(), case: replace(example, program=replace(example.program, functions=changed_functions))}
 
 
-def not_outside(s: Any) -> Any:
-    """The status says OK outside the tube."""
-    wrong = isinstance(s, Assign) and s.var.name == "outside_any" and isinstance(s.value, Select)
-    return replace(s, value=replace(s.value, otherwise=s.value.then)) if wrong else s
+def never_outside(statement: Any) -> Any:
+    """Make the status OK outside the tube."""
+    is_target = isinstance(statement, Assign) and statement.var.name == "outside_any" and isinstance(statement.value, Select)
+    return replace(statement, value=replace(statement.value, otherwise=statement.value.then)) if is_target else statement
 
 
-def first_limit(s: Any) -> Any:
-    """Every component is saturated at the first one's limit."""
-    wrong = isinstance(s, Assign) and s.value == Load("u_max", Var("i", INT))
-    return replace(s, value=Load("u_max", integer(0))) if wrong else s
+def with_the_first_limit(statement: Any) -> Any:
+    """Saturate every component at the first one's limit."""
+    is_target = isinstance(statement, Assign) and statement.value == Load("u_max", Var("i", INT))
+    return replace(statement, value=Load("u_max", integer(0))) if is_target else statement
 
 
-def other_entry(s: Any) -> Any:
-    """The upper edge is made of a lower edge's last entry."""
-    wrong = isinstance(s, Assign) and s.var.name == "upper_q3"
-    return replace(s, value=Load("coefficients", Var("lower_3", INT))) if wrong else s
+def with_a_lower_coefficient(statement: Any) -> Any:
+    """Compute the upper edge from a coefficient of the lower edge."""
+    is_target = isinstance(statement, Assign) and statement.var.name == "upper_q3"
+    return replace(statement, value=Load("coefficients", Var("lower_3", INT))) if is_target else statement
 
 
-def no_step(s: Any) -> Any:
-    """The implicit step ignores dt's upper bound."""
-    wrong = isinstance(s, Assign) and s.var.name == "h"
-    return replace(s, value=s.value.then) if wrong else s
+def without_step_clamp(statement: Any) -> Any:
+    """Let the implicit step ignore the upper bound on dt."""
+    is_target = isinstance(statement, Assign) and statement.var.name == "h"
+    return replace(statement, value=statement.value.then) if is_target else statement
 
 
-def swapped_alpha(s: Any) -> Any:
-    """alpha_L in the place of alpha_U."""
-    wrong = isinstance(s, Assign) and s.var.name == "alpha_high_in"
-    return replace(s, value=Load("alpha", Var("i", INT))) if wrong else s
+def with_alpha_of_the_lower_edge(statement: Any) -> Any:
+    """Use alpha of the lower edge in the place of that of the upper edge."""
+    is_target = isinstance(statement, Assign) and statement.var.name == "alpha_high_in"
+    return replace(statement, value=Load("alpha", Var("i", INT))) if is_target else statement
 
 
-def threshold(name: str, k: int, value: Fraction) -> Callable[[Any], Any]:
-    """Argument k of the comparison of that name becomes another constant."""
+def with_threshold(name: str, k: int, value: Fraction) -> Callable[[Any], Any]:
+    """Return a change that replaces argument k of the comparison of that name by another constant."""
 
-    def change(s: Any) -> Any:
-        if not (isinstance(s, Assign) and s.var.name == name):
-            return s
-        assert isinstance(s.value, Op)
-        return replace(s, value=Op(s.value.name, tuple(real(value) if i == k else a for i, a in enumerate(s.value.args))))
+    def change(statement: Any) -> Any:
+        if not (isinstance(statement, Assign) and statement.var.name == name):
+            return statement
+        assert isinstance(statement.value, Op)
+        return replace(
+            statement,
+            value=Op(statement.value.name, tuple(real(value) if i == k else a for i, a in enumerate(statement.value.args))),
+        )
 
     return change
 
 
 def test_a_branch_that_no_point_takes_leaves_its_lemma_open(monkeypatch: Any) -> None:
-    """For 7.00 < t < 7.05 the gain has the other sign; no time that is looked at lies there."""
+    """For 7.00 < t < 7.05 the gain has the other sign; none of the times at which the lemma follows the program lies there."""
     t = Var("t", REAL)
 
     def change(s: Any) -> Any:
@@ -389,14 +399,16 @@ def test_a_branch_that_no_point_takes_leaves_its_lemma_open(monkeypatch: Any) ->
         return isinstance(s, Assign) and s.var.name == "gain" and isinstance(s.value, Select)
 
     wrong = with_function("wide", "control", change)["wide"]
-    asked = (
+    condition = (
         Assign(Var("after", BOOL), Op("lt", (real(Fraction(7)), t))),
         Assign(Var("before", BOOL), Op("lt", (t, real(Fraction("7.05"))))),
         Assign(Var("there", BOOL), Op("and", (Var("after", BOOL), Var("before", BOOL)))),
     )
     (control,) = (f for f in wrong.program.functions if f.name == "control")
-    bent = replace(control, body=(*asked, *control.body))
-    program = replace(wrong.program, functions=tuple(bent if f.name == "control" else f for f in wrong.program.functions))
+    wrong_control = replace(control, body=(*condition, *control.body))
+    program = replace(
+        wrong.program, functions=tuple(wrong_control if f.name == "control" else f for f in wrong.program.functions)
+    )
     assert not any(7 < time < 7.05 for time in functions.TIMES)
     monkeypatch.setattr(functions, "cases", lambda: {**examples.cases(), "wide": replace(wrong, program=program)})
     outcome = lemma("functions.wide_control").run()
@@ -407,17 +419,17 @@ def test_a_branch_that_no_point_takes_leaves_its_lemma_open(monkeypatch: Any) ->
 @pytest.mark.parametrize(
     ("name", "function", "change"),
     [
-        ("wide_tube_rate", "tube_rate", threshold("moving", 1, Fraction("8.95"))),
-        ("wide_control", "control", threshold("within", 0, Fraction("0.0001"))),
-        ("transform", "transform", threshold("wide", 0, Fraction(1, 1 << 10))),
-        ("transform", "transform", threshold("filled", 0, Fraction(1, 1 << 23))),
-        ("wide_control", "control", not_outside),
-        ("wide_control", "control", first_limit),
-        ("narrow_tube", "tube", other_entry),
-        ("narrow_margin", "margin", other_entry),
-        ("alpha_step", "alpha_step", no_step),
-        ("adaptive_tube", "tube", swapped_alpha),
-        ("adaptive_control", "control", not_outside),
+        ("wide_tube_rate", "tube_rate", with_threshold("moving", 1, Fraction("8.95"))),
+        ("wide_control", "control", with_threshold("within", 0, Fraction("0.0001"))),
+        ("transform", "transform", with_threshold("wide", 0, Fraction(1, 1 << 10))),
+        ("transform", "transform", with_threshold("filled", 0, Fraction(1, 1 << 23))),
+        ("wide_control", "control", never_outside),
+        ("wide_control", "control", with_the_first_limit),
+        ("narrow_tube", "tube", with_a_lower_coefficient),
+        ("narrow_margin", "margin", with_a_lower_coefficient),
+        ("alpha_step", "alpha_step", without_step_clamp),
+        ("adaptive_tube", "tube", with_alpha_of_the_lower_edge),
+        ("adaptive_control", "control", never_outside),
     ],
 )
 def test_a_wrong_frame_leaves_its_lemma_open(name: str, function: str, change: Callable[[Any], Any], monkeypatch: Any) -> None:
@@ -430,35 +442,37 @@ def test_a_wrong_frame_leaves_its_lemma_open(name: str, function: str, change: C
 
 @pytest.mark.parametrize("name", ["wide", "narrow", "adaptive"])
 def test_a_followed_function_gives_what_the_emitted_python_gives(name: str) -> None:
-    """The numbers that decide the paths are the program's own: the walk and the printed Python agree to the last bit."""
+    """Following a function at a point computes the same numbers as the printed Python, to the last bit."""
     case = examples.cases()[name]
-    names: dict[str, Any] = {"_vector": lambda _, values, length: [float(v) for v in values]}  # the module's own checks lengths
+    # The emitted function `_vector` also checks lengths.
+    module: dict[str, Any] = {"_vector": lambda _, values, length: [float(v) for v in values]}
     printer = PythonPrinter(case.program)
-    names |= {status.name: status.value for status in Status}
+    module |= {status.name: status.value for status in Status}
     parts = [*map(printer.table, case.program.tables), *map(printer.kernel, case.program.kernels)]
     parts += map(printer.function, case.program.functions)
-    exec("\n".join(["import math", *(line for part in parts for line in part)]), names)
+    exec("\n".join(["import math", *(line for part in parts for line in part)]), module)
     for lemma_name, (kind, function, points) in functions.SUBJECTS.items():
         if kind != name or function in ("alpha_init", "control_tick"):
             continue
         for point in list(points(case))[::7]:
             path = follow(case.program, function, point)
-            found = names[function](**point)
-            wanted = (
+            emitted = module[function](**point)
+            followed = (
                 [path.result, *path.outputs.values()] if path.result is not None and path.outputs else list(path.outputs.values())
             )
-            wanted = wanted or [path.result]
-            flat = _flat(found), _flat(wanted)
-            assert repr(flat[0]) == repr(flat[1]), (lemma_name, point)
+            followed = followed or [path.result]
+            flat_results = _flat(emitted), _flat(followed)
+            assert repr(flat_results[0]) == repr(flat_results[1]), (lemma_name, point)
 
 
 def _flat(value: Any) -> list[Any]:
+    """Return nested lists of results as one list."""
     if isinstance(value, list | tuple):
         return [w for v in value for w in _flat(v)]
     return [value.value if isinstance(value, Status) else value]
 
 
-# ---- the methods themselves
+# ---- the methods of proof
 
 
 x = sp.Symbol("x", real=True)
@@ -490,21 +504,21 @@ def test_no_evidence_is_no_proof() -> None:
         assert Lemma("a.b", "", "", (), "", nothing).run().verdict is Verdict.OPEN
 
 
-def test_what_holds_for_positive_numbers_alone_is_no_identity() -> None:
-    """Forced logarithms would take log x^2 for 2 log x."""
+def test_an_equation_for_positive_numbers_only_is_no_identity() -> None:
+    """An expansion of logarithms without that assumption would turn log x^2 into 2 log x."""
     assert prove_identities({"log x^2 - 2 log x": sp.log(x**2) - 2 * sp.log(x)}).verdict is Verdict.OPEN
     y = sp.Symbol("y", positive=True)
     assert prove_identities({"log y^2 - 2 log y": sp.log(y**2) - 2 * sp.log(y)}).verdict is Verdict.PROVED
 
 
-def test_a_sign_is_for_all_values() -> None:
+def test_a_sign_is_proved_only_if_it_holds_for_all_values() -> None:
     y = sp.Symbol("y", positive=True)
     assert prove_positive({"y + sinh y": y + sp.sinh(y)}).verdict is Verdict.PROVED
     for unknown in (x, x**2, y - 1, sp.cosh(y) - 2):
         assert prove_positive({"good": y, "bad": unknown}).verdict is Verdict.OPEN
 
 
-def test_all_of_is_as_good_as_its_worst() -> None:
+def test_all_of_has_the_verdict_of_its_worst_part() -> None:
     good, bad = (Outcome(v, "m", ("e",)) for v in (Verdict.PROVED, Verdict.OPEN))
     assert all_of(good, good).verdict is Verdict.PROVED
     assert all_of(good, bad) is bad
@@ -519,51 +533,52 @@ def test_a_proof_that_fails_is_open_with_its_message() -> None:
     assert "no such number" in outcome.evidence[0]
 
 
-def test_the_cache_is_quick_and_is_never_believed_after_a_change(tmp_path: Any, monkeypatch: Any) -> None:
+def test_the_cache_is_used_until_a_source_changes(tmp_path: Any, monkeypatch: Any) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    few = {name: FAMILIES[name] for name in ("reach", "bumps", "refined")}  # of a cache it matters not which
-    monkeypatch.setattr(book_module, "FAMILIES", few)
-    count = sum(len(lemmas) for _, lemmas in few.values())
+    few_families = {name: FAMILIES[name] for name in ("reach", "bumps", "refined")}  # any families would do
+    monkeypatch.setattr(book_module, "FAMILIES", few_families)
+    count = sum(len(lemmas) for _, lemmas in few_families.values())
     assert CliRunner().invoke(app, ["prove", "--out", str(tmp_path / "a.md")]).exit_code == 0
-    kept = tmp_path / "stt_codegen" / "lemmas.json"
-    document = json.loads(kept.read_bytes())
+    cache_file = tmp_path / "stt_codegen" / "lemmas.json"
+    document = json.loads(cache_file.read_bytes())
     assert len(document["outcomes"]) == count
 
     ran: list[str] = []
     run = Lemma.run
     monkeypatch.setattr(Lemma, "run", lambda self: ran.append(self.name) or run(self))
-    assert CliRunner().invoke(app, ["prove", "--out", str(tmp_path / "b.md"), "--check"]).exit_code == 1  # b.md is not there
+    assert CliRunner().invoke(app, ["prove", "--out", str(tmp_path / "b.md"), "--check"]).exit_code == 1  # b.md does not exist
     assert not ran  # nothing has changed
     assert page(prove_all(fresh=False)) == (tmp_path / "a.md").read_text()
 
     monkeypatch.setattr(cache_module, "key", lambda: "other sources")
     prove_all(fresh=False)
     assert len(ran) == count
-    kept.write_text("no JSON")
+    cache_file.write_text("no JSON")
     ran.clear()
     prove_all(fresh=False)
     assert len(ran) == count
 
 
-def test_an_open_lemma_is_not_kept(tmp_path: Any, monkeypatch: Any) -> None:
+def test_an_open_lemma_is_not_cached(tmp_path: Any, monkeypatch: Any) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    cache_ = cache_module.Cache(fresh=True)
-    cache_.put("a.b", Outcome(Verdict.OPEN, "none", ("left",)))
-    cache_.put("a.c", Outcome(Verdict.PROVED, "none", ("done",)))
-    cache_.save()
-    again = cache_module.Cache(fresh=False)
-    assert again.get("a.b") is None
-    assert again.get("a.c") == Outcome(Verdict.PROVED, "none", ("done",))
+    cache = cache_module.Cache(fresh=True)
+    cache.put("a.b", Outcome(Verdict.OPEN, "none", ("left",)))
+    cache.put("a.c", Outcome(Verdict.PROVED, "none", ("done",)))
+    cache.save()
+    reloaded = cache_module.Cache(fresh=False)
+    assert reloaded.get("a.b") is None
+    assert reloaded.get("a.c") == Outcome(Verdict.PROVED, "none", ("done",))
 
 
-def test_the_key_follows_every_source_file(monkeypatch: Any) -> None:
+def test_the_key_of_the_cache_depends_on_every_source_file(monkeypatch: Any) -> None:
     before = cache_module.key()
     read = Path.read_bytes
     monkeypatch.setattr(Path, "read_bytes", lambda self: read(self) + (b" " if self.name == "reach_tube.py" else b""))
     assert cache_module.key() != before
 
 
-def the_book_in_latex_is_well_formed_and_complete(entries: list[BookEntry]) -> None:
+def assert_latex_is_well_formed_and_complete(entries: list[BookEntry]) -> None:
+    """Assert that braces and environments of the LaTeX page match, and that it has every lemma."""
     text = page(entries, ".tex")
     assert text.count("{") - text.count(r"\{") == text.count("}") - text.count(r"\}")
     for environment in ("itemize", "document"):
@@ -575,8 +590,8 @@ def the_book_in_latex_is_well_formed_and_complete(entries: list[BookEntry]) -> N
 
 def test_the_command_writes_compares_and_fails_on_an_open_lemma(tmp_path: Any, monkeypatch: Any) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    few = {name: FAMILIES[name] for name in ("reach", "transform")}  # the whole book is proved above
-    monkeypatch.setattr(book_module, "FAMILIES", few)
+    few_families = {name: FAMILIES[name] for name in ("reach", "transform")}  # another test proves the whole book
+    monkeypatch.setattr(book_module, "FAMILIES", few_families)
     target = str(tmp_path / "lemmas.md")
     assert CliRunner().invoke(app, ["prove", "--out", target, "--check"]).exit_code == 1
     assert CliRunner().invoke(app, ["prove", "--out", target]).exit_code == 0

@@ -1,4 +1,6 @@
-"""Windows, dimension and side: what is proved and refuted, that the data are the case study's, and that no wrong rule is proved."""
+"""Lemmas about the paper's windows of conflict, the dimension and the side of a detour: verdicts, data, and wrong rules.
+
+Their data are those of the case study; a wrong rule is not proved, and repaired data are no counterexample."""
 
 from __future__ import annotations
 
@@ -24,15 +26,16 @@ Interval = tuple[Fraction, Fraction] | None
 TASKS = {s: load_task(ROOT / "tasks" / f"omni_{s.lower()}.toml") for s in conflict.STARTS}
 
 
-def run(name: str) -> Outcome:
+def run_lemma(name: str) -> Outcome:
+    """Return the outcome of the lemma `windows.<name>`."""
     return next(v for v in conflict.LEMMAS if v.name == f"windows.{name}").run()
 
 
-def test_verdicts() -> None:
-    found = {lemma.name.removeprefix("windows."): lemma.run() for lemma in conflict.LEMMAS}
-    assert {name for name, outcome in found.items() if outcome.verdict is Verdict.PROVED} == PROVED
-    assert {name for name, outcome in found.items() if outcome.verdict is Verdict.REFUTED} == REFUTED
-    assert all(outcome.evidence for outcome in found.values())
+def test_the_expected_lemmas_are_proved_and_refuted() -> None:
+    outcomes = {lemma.name.removeprefix("windows."): lemma.run() for lemma in conflict.LEMMAS}
+    assert {name for name, outcome in outcomes.items() if outcome.verdict is Verdict.PROVED} == PROVED
+    assert {name for name, outcome in outcomes.items() if outcome.verdict is Verdict.REFUTED} == REFUTED
+    assert all(outcome.evidence for outcome in outcomes.values())
 
 
 @pytest.mark.parametrize(
@@ -48,31 +51,33 @@ def test_verdicts() -> None:
     ],
 )
 def test_the_evidence_shows_the_numbers(name: str, numbers: list[str]) -> None:
-    (line,) = run(name).evidence
+    (line,) = run_lemma(name).evidence
     assert [n for n in numbers if n not in line] == []
 
 
 def test_the_data_are_those_of_the_example_tasks() -> None:
     for name, task in TASKS.items():
         sets = {"X": task.state_space, "X0": task.initial_set, "T": task.target_set, **{u.name: u for u in task.unsafe}}
-        found = {key: tuple(zip(box.lower, box.upper, strict=True)) for key, box in sets.items()}
-        assert found == {"X": conflict.STATE_SPACE, "X0": conflict.STARTS[name], "T": conflict.TARGET, **conflict.UNSAFE}
+        boxes = {key: tuple(zip(box.lower, box.upper, strict=True)) for key, box in sets.items()}
+        assert boxes == {"X": conflict.STATE_SPACE, "X0": conflict.STARTS[name], "T": conflict.TARGET, **conflict.UNSAFE}
 
 
 @pytest.mark.parametrize(("start", "unsafe"), [("S1", "O1"), ("S3", "O4")])
 def test_the_literal_design_picks_the_dimension_that_the_lemma_refutes(start: str, unsafe: str) -> None:
-    picked = [b.dimension + 1 for b in design_literal(TASKS[start]).bumps if b.unsafe == unsafe]
-    assert len(picked) == 1
-    assert f"x{picked[0]} is picked" in next(p for p in run("shortest").evidence[0].split("; S") if f" with {unsafe}" in p)
+    dimensions = [b.dimension + 1 for b in design_literal(TASKS[start]).bumps if b.unsafe == unsafe]
+    assert len(dimensions) == 1
+    assert f"x{dimensions[0]} is picked" in next(
+        p for p in run_lemma("shortest").evidence[0].split("; S") if f" with {unsafe}" in p
+    )
 
 
-# ---- sabotage: the shipped functions made wrong
+# ---- wrong functions in place of the shipped ones
 
-right = shipped.conflict_in_sigma
+shipped_window = shipped.conflict_in_sigma
 
 
 def wrong_sign(start: Any, target: Any, unsafe: Any) -> Interval:
-    """rho_L >= upper(U) in the place of rho_L <= upper(U)."""
+    """Require rho_L >= upper(U) in the place of rho_L <= upper(U)."""
     above, below = (
         shipped._where_at_least(start[1], target[1], unsafe[0]),
         shipped._where_at_least(start[0], target[0], unsafe[1]),
@@ -83,13 +88,13 @@ def wrong_sign(start: Any, target: Any, unsafe: Any) -> Interval:
     return (low, high) if low <= high else None
 
 
-def one_sided(start: Any, target: Any, unsafe: Any) -> Interval:
-    """Only the first inequality."""
+def from_one_inequality(start: Any, target: Any, unsafe: Any) -> Interval:
+    """Use only the first inequality."""
     return shipped._where_at_least(start[1], target[1], unsafe[0])
 
 
-def hull(start: Any, target: Any, unsafe: Any) -> Interval:
-    """The join of both half lines where it should be their meet."""
+def hull_of_half_lines(start: Any, target: Any, unsafe: Any) -> Interval:
+    """Return the hull of both half lines in the place of their intersection."""
     above, below = (
         shipped._where_at_least(start[1], target[1], unsafe[0]),
         shipped._where_at_least(-start[0], -target[0], -unsafe[1]),
@@ -100,33 +105,44 @@ def hull(start: Any, target: Any, unsafe: Any) -> Interval:
 
 
 def without_touching(start: Any, target: Any, unsafe: Any) -> Interval:
-    """A single sigma is no window."""
-    found = right(start, target, unsafe)
-    return None if found is not None and found[0] == found[1] else found
+    """Return no window where it is a single sigma."""
+    window = shipped_window(start, target, unsafe)
+    return None if window is not None and window[0] == window[1] else window
 
 
-def wider(start: Any, target: Any, unsafe: Any) -> Interval:
-    """To the end wherever the window is open at the start: right for most data."""
-    found = right(start, target, unsafe)
-    return (found[0], Fraction(1)) if found is not None and found[0] == 0 else found
+def extended_to_the_end(start: Any, target: Any, unsafe: Any) -> Interval:
+    """Extend a window that begins at 0 to the end, which is right for most data."""
+    window = shipped_window(start, target, unsafe)
+    return (window[0], Fraction(1)) if window is not None and window[0] == 0 else window
 
 
-def in_part(start: Any, target: Any, unsafe: Any) -> Interval:
-    """A window that ends a hair early, between two of the points that are looked at."""
-    found = right(start, target, unsafe)
-    return (found[0], found[1] - (found[1] - found[0]) / 1000) if found is not None else None
+def ended_early(start: Any, target: Any, unsafe: Any) -> Interval:
+    """End the window slightly early, between two of the lemma's points."""
+    window = shipped_window(start, target, unsafe)
+    return (window[0], window[1] - (window[1] - window[0]) / 1000) if window is not None else None
 
 
-def by_edges(start: Any, target: Any, unsafe: Any) -> Interval:
-    """As (5): where the target's edge equals the start's there is nothing to divide by."""
-    return None if start[1] == target[1] or start[0] == target[0] else right(start, target, unsafe)
+def without_equal_edges(start: Any, target: Any, unsafe: Any) -> Interval:
+    """Return no window where the target's edge equals the start's, where the paper's (5) divides by 0."""
+    return None if start[1] == target[1] or start[0] == target[0] else shipped_window(start, target, unsafe)
 
 
-@pytest.mark.parametrize("wrong", [wrong_sign, one_sided, hull, without_touching, wider, in_part, by_edges])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        wrong_sign,
+        from_one_inequality,
+        hull_of_half_lines,
+        without_touching,
+        extended_to_the_end,
+        ended_early,
+        without_equal_edges,
+    ],
+)
 def test_a_wrong_window_is_not_proved(wrong: Callable[..., Interval], monkeypatch: pytest.MonkeyPatch) -> None:
-    assert run("interval").verdict is Verdict.PROVED
+    assert run_lemma("interval").verdict is Verdict.PROVED
     monkeypatch.setattr(shipped, "conflict_in_sigma", wrong)
-    outcome = run("interval")
+    outcome = run_lemma("interval")
     assert outcome.verdict is Verdict.OPEN
     assert " 0 wrong" not in outcome.evidence[0]
 
@@ -149,9 +165,9 @@ def wrong_end(sigma: Fraction, t_c: Fraction) -> float:
 
 @pytest.mark.parametrize("wrong", [wrong_inverse, without_atanh, wrong_end])
 def test_a_wrong_inverse_is_not_proved(wrong: Callable[..., float], monkeypatch: pytest.MonkeyPatch) -> None:
-    assert run("inverse").verdict is Verdict.PROVED
+    assert run_lemma("inverse").verdict is Verdict.PROVED
     monkeypatch.setattr(shipped, "time_of_sigma", wrong)
-    outcome = run("inverse")
+    outcome = run_lemma("inverse")
     assert outcome.verdict is Verdict.OPEN
     assert outcome.evidence
 
@@ -162,10 +178,10 @@ def touching_is_apart(a: Any, b: Any) -> bool:
 
 def test_boxes_that_touch_are_not_disjoint(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(conflict, "_are_apart", touching_is_apart)
-    assert run("disjoint").verdict is Verdict.OPEN
+    assert run_lemma("disjoint").verdict is Verdict.OPEN
 
 
-# ---- no counterexample where there is none: the data repaired, one after the other
+# ---- repaired data are no counterexample
 
 box = conflict._box
 FAR = {"O1": box("1 2", "2 3"), "O2": box("3 4", "2 3"), "O3": box("1 2", "1 1.5"), "O4": box("1 1.5", "1.5 2.5")}
@@ -174,12 +190,12 @@ FAR = {"O1": box("1 2", "2 3"), "O2": box("3 4", "2 3"), "O3": box("1 2", "1 1.5
 @pytest.mark.parametrize(
     ("name", "attribute", "repaired"),
     [
-        ("printed_order", "WIDENING", (box("0 1", "4 5"), box("2 2.5", "2.5 3"))),  # both edges rise: (5) is right
+        ("printed_order", "WIDENING", (box("0 1", "4 5"), box("2 2.5", "2.5 3"))),  # both edges rise, where (5) is right
         ("one_dimension", "TARGET", box("4.5 5", "3.6 3.9")),
         ("from_rho", "DETOUR", (*conflict.DETOUR[:3], box("4 6", "6.3 8"))),
         ("from_rho", "DETOUR", (*conflict.DETOUR[:3], box("7 9", "6.1 8"))),
         ("from_rho", "DETOUR", (*conflict.DETOUR[:3], box("4 6", "5.2 8"))),  # rho meets this one
-        ("shortest", "UNSAFE", {**conflict.UNSAFE, "O1": box("1 2", "1 2")}),  # x2 never overlaps it, and is picked
+        ("shortest", "UNSAFE", {**conflict.UNSAFE, "O1": box("1 2", "1 2")}),  # x2 never overlaps it, and is chosen
         ("printed_wall", "WALL", box("0 10", "0 1.5")),
         ("printed_wall", "WALL", box("0 10", "0.2 1.5")),
         ("random_side", "SQUEEZE", (conflict.SQUEEZE[0], box("4 6", "5.5 7"))),
@@ -187,23 +203,23 @@ FAR = {"O1": box("1 2", "2 3"), "O2": box("3 4", "2 3"), "O3": box("1 2", "1 1.5
     ],
 )
 def test_repaired_data_are_no_counterexample(name: str, attribute: str, repaired: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert run(name).verdict is Verdict.REFUTED
+    assert run_lemma(name).verdict is Verdict.REFUTED
     monkeypatch.setattr(conflict, attribute, repaired)
-    outcome = run(name)
+    outcome = run_lemma(name)
     assert outcome.verdict is Verdict.OPEN
-    assert " holds at " in outcome.evidence[0]  # not open for want of a method
+    assert " holds at " in outcome.evidence[0]  # a method ran
 
 
 def test_terms_that_are_all_defined_are_no_counterexample(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(conflict, "STARTS", {"S": box("0 0.5", "0 0.5")})
     monkeypatch.setattr(conflict, "UNSAFE", FAR)
-    outcome = run("printed_defined")
+    outcome = run_lemma("printed_defined")
     assert outcome.verdict is Verdict.OPEN
     assert "0 of 32" in outcome.evidence[0]
 
 
-def test_a_set_with_no_room_beside_it_cannot_be_passed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_set_as_wide_as_the_space_has_no_admissible_detour(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(conflict, "UNSAFE", {**conflict.UNSAFE, "O1": box("1 2", "0.1 4.9")})
-    outcome = run("admissible")
+    outcome = run_lemma("admissible")
     assert outcome.verdict is Verdict.OPEN
     assert "S1 with O1: none" in outcome.evidence[0]

@@ -1,4 +1,4 @@
-"""Order 2 without bounds, coupled inputs, differences, feed-forward: what is proved and refuted, and no wrong law is proved."""
+"""Lemmas about scaled inputs, plants of order 2, velocities by differences and feed-forward: verdicts, wrong laws, examples."""
 
 from __future__ import annotations
 
@@ -25,27 +25,29 @@ REFUTED = {
 
 
 def lemma(name: str) -> Lemma:
+    """Return the lemma of this name."""
     return next(v for v in (*saturated.LEMMAS, *inertia.LEMMAS) if v.name == name)
 
 
-def run(name: str) -> Outcome:
+def run_lemma(name: str) -> Outcome:
+    """Return the outcome of the lemma of this name."""
     return lemma(name).run()
 
 
-def test_verdicts() -> None:
-    found = {v.name: v.run() for v in (*saturated.LEMMAS, *inertia.LEMMAS)}
-    assert {name for name, outcome in found.items() if outcome.verdict is Verdict.PROVED} == PROVED
-    assert {name for name, outcome in found.items() if outcome.verdict is Verdict.REFUTED} == REFUTED
-    assert all(outcome.evidence for outcome in found.values())
+def test_the_expected_lemmas_are_proved_and_refuted() -> None:
+    outcomes = {v.name: v.run() for v in (*saturated.LEMMAS, *inertia.LEMMAS)}
+    assert {name for name, outcome in outcomes.items() if outcome.verdict is Verdict.PROVED} == PROVED
+    assert {name for name, outcome in outcomes.items() if outcome.verdict is Verdict.REFUTED} == REFUTED
+    assert all(outcome.evidence for outcome in outcomes.values())
 
 
-def test_they_stand_in_the_book() -> None:
+def test_the_book_contains_them() -> None:
     names = {v.name for _, lemmas in FAMILIES.values() for v in lemmas}
     assert names >= PROVED | REFUTED
 
 
 def by_component(v: Any, factor: Any) -> Any:
-    """A gain of its own for every component: not scaled."""
+    """Return the input with another gain for every component, which is no scaling."""
     return -saturated.k * factor * sp.Matrix([(i + 1) * value for i, value in enumerate(v)])
 
 
@@ -58,7 +60,7 @@ def time_as_measured(speed: Any, noise: Any, stamp_error: Any, measured_period: 
 
 
 @pytest.mark.parametrize(
-    ("module", "name", "wrong", "falls"),
+    ("module", "name", "wrong", "lemma_name"),
     [
         (saturated, "scaled", by_component, "limits.scaled"),
         (saturated, "scaled", lambda v, factor: saturated.k * factor * v, "limits.scaled"),
@@ -84,26 +86,31 @@ def time_as_measured(speed: Any, noise: Any, stamp_error: Any, measured_period: 
         (inertia, "FEED_FORWARD", sp.diff(inertia.C, inertia.t, 2), "filtered.forward"),
     ],
 )
-def test_a_wrong_law_leaves_its_lemma_open(module: Any, name: str, wrong: Any, falls: str, monkeypatch: Any) -> None:
-    assert run(falls).verdict is Verdict.PROVED
+def test_a_wrong_law_leaves_its_lemma_open(module: Any, name: str, wrong: Any, lemma_name: str, monkeypatch: Any) -> None:
+    assert run_lemma(lemma_name).verdict is Verdict.PROVED
     monkeypatch.setattr(module, name, wrong)
-    outcome = run(falls)
+    outcome = run_lemma(lemma_name)
     assert outcome.verdict is Verdict.OPEN
     assert outcome.evidence
-    assert outcome.method != "none"  # by what was found, not because something cannot be run
+    assert outcome.method != "none"  # a method ran and failed to prove it
 
 
-ONE, HALF = sp.Integer(1), sp.Rational(1, 2)
+UNIT, HALF = sp.Integer(1), sp.Rational(1, 2)
 
 
 @pytest.mark.parametrize(
-    ("module", "name", "harmless", "stands"),
+    ("module", "name", "harmless", "lemma_name"),
     [
-        (saturated, "COUPLED", ((ONE, HALF), (HALF, 4 * ONE)), "limits.clipped"),  # row sums say that clipped u points inward
-        (saturated, "COUPLED", ((ONE, 3 * HALF), (3 * HALF, 2 * ONE)), "limits.clipped"),  # not definite: outside the statement
-        (saturated, "RISES_AT", (HALF / 1000, -HALF / 1000), "limits.clipped"),  # where nothing is clipped
-        (saturated, "COUPLED", ((ONE, HALF), (HALF, 4 * ONE)), "limits.clipped_leaves"),
-        (saturated, "COUPLED", ((ONE, 3 * HALF), (3 * HALF, 2 * ONE)), "limits.clipped_leaves"),
+        (saturated, "COUPLED", ((UNIT, HALF), (HALF, 4 * UNIT)), "limits.clipped"),  # row sums say that clipped u points inward
+        (
+            saturated,
+            "COUPLED",
+            ((UNIT, 3 * HALF), (3 * HALF, 2 * UNIT)),
+            "limits.clipped",
+        ),  # not definite, which the statement assumes
+        (saturated, "RISES_AT", (HALF / 1000, -HALF / 1000), "limits.clipped"),  # nothing is clipped there
+        (saturated, "COUPLED", ((UNIT, HALF), (HALF, 4 * UNIT)), "limits.clipped_leaves"),
+        (saturated, "COUPLED", ((UNIT, 3 * HALF), (3 * HALF, 2 * UNIT)), "limits.clipped_leaves"),
         (saturated, "LEAVES_FROM", (HALF / 1000, -HALF / 1000), "limits.clipped_leaves"),
         (saturated, "NOMINAL", saturated.INERTIA, "limits.nominal"),
         (saturated, "INERTIA", saturated.NOMINAL, "limits.nominal"),
@@ -113,10 +120,12 @@ ONE, HALF = sp.Integer(1), sp.Rational(1, 2)
         (inertia, "PERIOD", sp.Rational(1, 1000), "filtered.forward_held"),
     ],
 )
-def test_what_is_refuted_is_so_by_its_example(module: Any, name: str, harmless: Any, stands: str, monkeypatch: Any) -> None:
-    """Where the statement holds, or its assumptions do not, nothing is refuted."""
+def test_a_lemma_is_refuted_only_by_an_example_that_violates_it(
+    module: Any, name: str, harmless: Any, lemma_name: str, monkeypatch: Any
+) -> None:
+    """With an example for which the statement holds, or its assumptions do not, the lemma is open."""
     monkeypatch.setattr(module, name, harmless)
-    assert run(stands).verdict is Verdict.OPEN
+    assert run_lemma(lemma_name).verdict is Verdict.OPEN
 
 
 @pytest.mark.parametrize(
@@ -131,20 +140,22 @@ def test_what_is_refuted_is_so_by_its_example(module: Any, name: str, harmless: 
     ],
 )
 def test_the_evidence_shows_the_numbers(name: str, numbers: list[str]) -> None:
-    (line,) = run(name).evidence
+    (line,) = run_lemma(name).evidence
     assert [n for n in numbers if n not in line] == []
 
 
-def driven(clip: bool, start: tuple[float, float], steps: int = 4000) -> list[tuple[float, float]]:
-    """The coupled plant in the tube (-1, 1)^2 under u_max = k = 1, by small steps, until it leaves."""
+def simulate(is_clipped: bool, start: tuple[float, float], steps: int = 4000) -> list[tuple[float, float]]:
+    """Return the path of the coupled plant in the tube (-1, 1)^2 with u_max = k = 1, by steps of 1/4000 s, until it leaves.
+
+    clip: whether each input is clipped by itself, or the vector is scaled."""
     x, path = [arb(v) for v in start], [start]
     for _ in range(steps):
-        v = [(1 / (1 + c) + 1 / (1 - c)) * ((1 + c) / (1 - c)).log() for c in x]
-        most = max(map(abs, v))
-        u = [-c / max(abs(c), arb(1)) if clip else -c / max(most, arb(1)) for c in v]
+        v = [(1 / (1 + value) + 1 / (1 - value)) * ((1 + value) / (1 - value)).log() for value in x]
+        largest = max(map(abs, v))
+        u = [-value / max(abs(value), arb(1)) if is_clipped else -value / max(largest, arb(1)) for value in v]
         x = [
-            arb((c + arb(1) / 4000 * (float(row[0]) * u[0] + float(row[1]) * u[1])).mid())
-            for c, row in zip(x, saturated.COUPLED, strict=True)
+            arb((value + arb(1) / 4000 * (float(row[0]) * u[0] + float(row[1]) * u[1])).mid())
+            for value, row in zip(x, saturated.COUPLED, strict=True)
         ]
         path.append((float(x[0]), float(x[1])))
         if max(map(abs, path[-1])) >= 1:
@@ -152,9 +163,9 @@ def driven(clip: bool, start: tuple[float, float], steps: int = 4000) -> list[tu
     return path
 
 
-def test_driven_the_clipped_loop_leaves_and_the_scaled_one_does_not() -> None:
+def test_in_a_simulation_the_clipped_loop_leaves_and_the_scaled_one_does_not() -> None:
     start = (0.9, -0.97)
-    clipped, scaled = driven(True, start), driven(False, start)
+    clipped, scaled = simulate(True, start), simulate(False, start)
     assert clipped[-1][0] >= 1
     assert len(clipped) / 4000 == pytest.approx(0.2, abs=0.001)
     assert max(abs(c) for state in scaled for c in state) <= 0.97

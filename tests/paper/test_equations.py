@@ -1,4 +1,4 @@
-"""The equations in CasADi: identities shown symbolically, on the very kernels that are emitted."""
+"""The equations in CasADi: identities proved symbolically, for the kernels that are emitted."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from stt_codegen.program.symbolic.symbols import formulas
 
 
 def symbolic(kernel: Kernel) -> tuple[dict[str, sp.Symbol], list[sp.Expr]]:
-    """The kernel's outputs as SymPy expressions of its inputs, which are positive."""
+    """Return the symbols of a kernel's inputs, which are positive, and its outputs as SymPy expressions of them."""
     symbols = {v.name: sp.Symbol(v.name, positive=True) for v in kernel.inputs}
     return symbols, list(formulas(kernel, symbols))
 
@@ -36,7 +36,7 @@ def test_the_emitted_weight_rates_are_the_derivatives_of_the_emitted_weights() -
 
 
 def test_neighbouring_segments_agree_in_value_slope_and_curvature() -> None:
-    """C2: weight j at the end of a segment is weight j - 1 at the start of the next, with two derivatives."""
+    """Weight j at the end of a segment is weight j - 1 at the start of the next, and so are two derivatives."""
     symbols, weights = symbolic(lower(refined_tube.basis()))
     s = symbols["s"]
     for order in range(3):
@@ -47,7 +47,7 @@ def test_neighbouring_segments_agree_in_value_slope_and_curvature() -> None:
 
 
 def test_xi_is_the_derivative_of_epsilon_and_all_forms_are_the_printed_one() -> None:
-    """By AD, in the emitted form, as 1/a + 1/b, and as 4 / (gamma_d (1 - e^2)) with diagonal I - e e^T."""
+    """Forms: by automatic differentiation, as emitted, as 1/a + 1/b, and as printed: 4 / (gamma_d (1 - e^2)), I - e e^T diagonal."""
     x, low, high = sp.symbols("x lower upper", positive=True)
     symbols, (_, xi) = symbolic(lower(control_law.transformed_error()))
     emitted = xi.subs({symbols["a"]: x - low, symbols["b"]: high - x}, simultaneous=True)
@@ -79,7 +79,7 @@ def test_the_law_is_minus_k_xi_epsilon() -> None:
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 @given(data=st.data())
 def test_xi_by_ad_equals_the_emitted_xi_in_numbers(scale: float, data) -> None:
-    """Within 12 roundings (the bound of `compare`) plus AD's own few, of the reciprocal distances they are made of."""
+    """They differ by at most 12 roundings, the bound of `compare`, and 12 more of the automatic differentiation."""
     low = data.draw(st.floats(-5, 5)) * scale
     width = data.draw(st.floats(0.05, 5)) * scale
     share = data.draw(st.floats(0.01, 0.99))

@@ -1,4 +1,5 @@
-"""The paper's functions (4)-(11): laws of each, derivatives against high-precision differences, and what breaks as printed."""
+"""The paper's functions (4) to (11): laws of each, derivatives against high precision, and what fails as printed; then the
+literal and the adaptive design, which use them."""
 
 from __future__ import annotations
 
@@ -23,8 +24,8 @@ from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube
 from stt_codegen.task.load import load_task, parse_task
 from tests.support.controllers import NAMES, ROOT
 
-CUT = float(circumvent.CUT["double"])
-EPS = 2.0**-53
+SMALLEST_DENOMINATOR = float(circumvent.CUT["double"])
+EPS = 2.0**-53  # largest relative rounding error of a double
 STARTS = ["omni_s1", "omni_s2", "omni_s3"]
 
 
@@ -33,7 +34,7 @@ def task_of(name: str):
 
 
 def derivative(f, x: float) -> float:
-    """By mpmath's differences in 40 digits: independent of CasADi's differentiation."""
+    """Return the derivative by mpmath's differences in 40 digits, which is independent of CasADi."""
     with mpmath.workdps(40):
         return float(mpmath.diff(f, mpmath.mpf(x)))
 
@@ -42,6 +43,7 @@ def derivative(f, x: float) -> float:
 
 
 def sigma_of(t, t_c):
+    """Return the paper's sigma(t) = tanh(t / (t_c - t)), equation (4)."""
     return mpmath.tanh(t / (t_c - t)) if t < t_c else mpmath.mpf(1)
 
 
@@ -51,9 +53,9 @@ def test_sigma_and_its_derivative_are_the_printed_ones(share: float) -> None:
     value, rate = (float(v) for v in reach_tube.profile(True)(share * t_c, t_c))
     t = share * t_c
     assert abs(value - float(sigma_of(mpmath.mpf(t), t_c))) <= 4 * EPS
-    s = t / (t_c - t)  # its rounding error, relative 3 EPS, is amplified by 2 s in the exponent
+    s = t / (t_c - t)  # the exponent amplifies its relative rounding error of 3 EPS by 2 s
     want = (1 + s) ** 2 / math.cosh(min(s, 300)) ** 2 / t_c
-    assert abs(rate - want) <= (40 + 20 * s) * EPS * want + 1e-250  # products of d = exp(-2 s) underflow early
+    assert abs(rate - want) <= (40 + 20 * s) * EPS * want + 1e-250  # products of exp(-2 s) underflow early
 
 
 def test_the_steepest_sigma_is_at_0_40607_t_c_with_1_83488() -> None:
@@ -76,11 +78,11 @@ def test_sigma_is_finite_monotone_and_ends_at_exactly_one_with_rate_zero(t_c: fl
 
 # ------------------------------------------------------------------------------------------ (5) windows
 
-numbers = st.fractions(min_value=-3, max_value=3, max_denominator=20)
-pairs = st.tuples(numbers, numbers).filter(lambda p: p[0] < p[1])
+edge_values = st.fractions(min_value=-3, max_value=3, max_denominator=20)
+intervals = st.tuples(edge_values, edge_values).filter(lambda p: p[0] < p[1])
 
 
-@given(pairs, pairs, pairs)
+@given(intervals, intervals, intervals)
 def test_the_window_is_exactly_where_the_tube_overlaps_the_set(start, target, unsafe) -> None:
     window = conflict_in_sigma(start, target, unsafe)
     for k in range(41):
@@ -90,8 +92,8 @@ def test_the_window_is_exactly_where_the_tube_overlaps_the_set(start, target, un
         assert overlaps == (window is not None and window[0] <= s <= window[1])
 
 
-def test_where_the_printed_four_terms_fail_the_window_does_not() -> None:
-    """Edges moving in opposite directions: X0 = [2, 3], T = [0, 5], U = [4, 4.5] is entered at sigma = 1/2, never left."""
+def test_the_window_is_right_where_the_printed_four_terms_fail() -> None:
+    """Edges that move in opposite directions: from X0 = [2, 3] to T = [0, 5] the tube enters U = [4, 4.5] at sigma = 1/2 for good."""
     f = Fraction
     assert conflict_in_sigma((f(2), f(3)), (f(0), f(5)), (f(4), f("4.5"))) == (f(1, 2), f(1))
     assert conflict_in_sigma((f(0), f(1)), (f(0), f(1)), (f("0.5"), f(2))) == (f(0), f(1))  # division by zero as printed
@@ -104,7 +106,7 @@ def test_times_of_windows_invert_the_profile(share: float) -> None:
     t = time_of_sigma(Fraction(share), t_c)
     assert 0 <= t <= 9
     if share < 1:
-        # atanh and t/(t_c - t) are inverse; near 1 sigma is flat, so compare in sigma
+        # Near 1 sigma is flat, so the values of sigma are compared, not the times.
         assert abs(float(reach_tube.profile()(t, 9.0)) - share) <= 1e-12
     else:
         assert t == 9
@@ -116,17 +118,17 @@ shapes = st.tuples(st.floats(0.1, 5), st.floats(0.01, 3) | st.floats(3, 1e4), st
 
 
 @given(shapes, st.floats(-1.2, 1.2))
-def test_a_bump_is_the_printed_one_inside_and_zero_outside(shape, place: float) -> None:
+def test_a_bump_is_the_printed_one_inside_and_zero_outside(shape, position: float) -> None:
     height, steepness, middle, radius = shape
-    t = middle + place * radius
-    value = float(circumvent.circumvent()(t, *shape, CUT))
+    t = middle + position * radius
+    value = float(circumvent.circumvent()(t, *shape, SMALLEST_DENOMINATOR))
     d = t - middle
     if abs(d) >= radius:
         assert value == 0
         return
-    rest = radius**2 - d**2
-    exponent = steepness * d**2 / rest
-    # the exponent's relative error (t - m and r - |t - m| are rounded: t EPS absolute) is amplified by its own size
+    denominator = radius**2 - d**2
+    exponent = steepness * d**2 / denominator
+    # t - m and r - |t - m| are rounded by t EPS; the exponential amplifies the exponent's relative error by its size.
     noise = exponent * (
         8 * EPS + 4 * (abs(t) + radius) * EPS / max(radius - abs(d), 1e-300) + 4 * abs(t) * EPS / max(abs(d), 1e-300)
     )
@@ -137,17 +139,17 @@ def test_a_bump_is_the_printed_one_inside_and_zero_outside(shape, place: float) 
 
 
 @given(shapes, st.floats(-0.9, 0.9))
-def test_the_bumps_rate_is_its_derivative(shape, place: float) -> None:
+def test_the_rate_of_a_bump_is_its_derivative(shape, position: float) -> None:
     height, steepness, middle, radius = shape
-    t = middle + place * radius
+    t = middle + position * radius
 
     def printed(x):
         d = x - mpmath.mpf(middle)
         return height * mpmath.exp(-mpmath.mpf(steepness) * d**2 / (mpmath.mpf(radius) ** 2 - d**2))
 
-    rate = float(circumvent.circumvent(True)(t, *shape, CUT)[1])
-    want = derivative(printed, t)
-    assert abs(rate - want) <= 1e-9 * max(abs(want), height / radius)
+    rate = float(circumvent.circumvent(True)(t, *shape, SMALLEST_DENOMINATOR)[1])
+    expected = derivative(printed, t)
+    assert abs(rate - expected) <= 1e-9 * max(abs(expected), height / radius)
 
 
 def test_all_derivatives_vanish_at_the_edges_of_a_bump() -> None:
@@ -155,7 +157,8 @@ def test_all_derivatives_vanish_at_the_edges_of_a_bump() -> None:
         for side in (-1, 1):
             for inside in (1e-9, 1e-7, 1e-5):
                 value, rate = (
-                    float(v) for v in circumvent.circumvent(True)(4 + side * (1 - inside), 3.0, steepness, 4.0, 1.0, CUT)
+                    float(v)
+                    for v in circumvent.circumvent(True)(4 + side * (1 - inside), 3.0, steepness, 4.0, 1.0, SMALLEST_DENOMINATOR)
                 )
                 bound = 3 * math.exp(-steepness / (3 * inside))
                 assert value <= bound + 1e-300
@@ -163,31 +166,34 @@ def test_all_derivatives_vanish_at_the_edges_of_a_bump() -> None:
 
 
 @given(st.floats(1, 5), st.floats(0.01, 0.3), st.floats(0.1, 0.9), st.floats(1.1, 3))
-def test_the_widened_bump_keeps_its_clearance_over_the_half_width(wall: float, delta: float, extra: float, ratio: float) -> None:
-    """r^2 = q^2 (1 + k/c), c = -ln(1 - (dB - delta)/B): at |t - m| = q the bump is exactly B - (dB - delta)."""
+def test_the_widened_bump_has_its_clearance_over_the_half_width(wall: float, delta: float, extra: float, ratio: float) -> None:
+    """With r^2 = q^2 (1 + k/c) and c = -ln(1 - (dB - delta)/B) the bump is exactly B - (dB - delta) at |t - m| = q."""
     overshoot = delta + extra * delta
     height, q = wall + overshoot, 0.7
     c = -math.log1p(-(overshoot - delta) / height)
     k = c * (ratio**2 - 1)
-    for place in (0.0, 0.5, 1.0):
-        value = float(circumvent.circumvent()(4.0 + place * q, height, k, 4.0, ratio * q, CUT))
+    for position in (0.0, 0.5, 1.0):
+        value = float(circumvent.circumvent()(4.0 + position * q, height, k, 4.0, ratio * q, SMALLEST_DENOMINATOR))
         assert value >= wall + delta - 1e-12 * height
-    assert abs(float(circumvent.circumvent()(4.0 + q, height, k, 4.0, ratio * q, CUT)) - (wall + delta)) <= 1e-12 * height
+    assert (
+        abs(float(circumvent.circumvent()(4.0 + q, height, k, 4.0, ratio * q, SMALLEST_DENOMINATOR)) - (wall + delta))
+        <= 1e-12 * height
+    )
 
 
-def test_the_printed_window_covers_none_of_the_conflict_with_clearance() -> None:
-    """With k = 0.01 and B = 3.7, dB = 0.2 the printed bump is below the set over 7.9 % of its window; with k = 1, 77 %."""
-    place = np.linspace(-1, 1, 200001)[1:-1]
+def test_the_printed_bump_is_too_low_over_a_part_of_its_window() -> None:
+    """With B = 3.7 and dB = 0.2 it is below the set over 7.9 % of its window for k = 0.01, and over 77 % for k = 1."""
+    position = np.linspace(-1, 1, 200001)[1:-1]
     for k, share in ((0.01, 0.079), (1.0, 0.77)):
-        values = 3.7 * np.exp(-k * place**2 / (1 - place**2))
+        values = 3.7 * np.exp(-k * position**2 / (1 - position**2))
         assert abs(np.mean(values < 3.5) - share) < 0.005
 
 
-bumps = st.floats(0, 5, allow_subnormal=False)
+heights = st.floats(0, 5, allow_subnormal=False)
 
 
-@given(bumps, bumps, st.floats(10, 300))
-def test_joining_has_no_bias_at_rest_and_exceeds_the_max_by_at_most_ln2_over_nu(a: float, b: float, nu: float) -> None:
+@given(heights, heights, st.floats(10, 300))
+def test_joining_with_0_is_exact_and_exceeds_the_max_by_at_most_ln2_over_nu(a: float, b: float, nu: float) -> None:
     join = circumvent.join()
     joined = float(join(a, b, nu))
     assert max(a, b) * (1 - 4 * EPS) <= joined <= max(a, b) + math.log(2) / nu + 8 * EPS * (1 + a + b)
@@ -195,11 +201,11 @@ def test_joining_has_no_bias_at_rest_and_exceeds_the_max_by_at_most_ln2_over_nu(
     assert joined == float(join(b, a, nu))
     with mpmath.workdps(60):
         printed = mpmath.log(mpmath.exp(nu * mpmath.mpf(a)) + mpmath.exp(nu * mpmath.mpf(b)) - 1) / nu
-    # log1p(exp(-nu |a-b|) - exp(-nu max)): the exponents carry nu (a + b) roundings
+    # It is log1p(exp(-nu |a - b|) - exp(-nu max)); the exponents have nu (a + b) roundings.
     assert abs(joined - float(printed)) <= (8 + 4 * nu * (a + b)) * EPS / nu + 8 * EPS * max(a, b)
 
 
-@given(bumps, bumps, bumps, st.floats(10, 300))
+@given(heights, heights, heights, st.floats(10, 300))
 def test_joining_is_associative(a: float, b: float, c: float, nu: float) -> None:
     join = circumvent.join()
     left, right = float(join(float(join(a, b, nu)), c, nu)), float(join(a, float(join(b, c, nu)), nu))
@@ -215,24 +221,24 @@ edges = st.floats(-5, 5)
 def test_smooth_max_and_min_are_within_ln2_over_nu_on_the_inner_side(rho: float, alpha: float, beta: float, nu: float) -> None:
     low = float(adaptive_tube.lower_edge()(rho, alpha, beta, nu))
     high = float(adaptive_tube.upper_edge()(rho, alpha, beta, nu))
-    room = 16 * EPS * (1 + abs(rho) + alpha + abs(beta))
-    assert -room <= low - max(rho - alpha, beta) <= math.log(2) / nu + room
-    assert -room <= min(rho + alpha, beta) - high <= math.log(2) / nu + room
+    rounding = 16 * EPS * (1 + abs(rho) + alpha + abs(beta))
+    assert -rounding <= low - max(rho - alpha, beta) <= math.log(2) / nu + rounding
+    assert -rounding <= min(rho + alpha, beta) - high <= math.log(2) / nu + rounding
 
 
 @given(edges, st.floats(0, 5), edges, st.floats(10, 300))
 def test_the_gradient_of_an_edge_is_a_convex_combination(rho: float, alpha: float, beta: float, nu: float) -> None:
-    def along(rho_rate: float, alpha_rate: float, beta_rate: float) -> float:
+    def directional_rate(rho_rate: float, alpha_rate: float, beta_rate: float) -> float:
         return float(adaptive_tube.lower_edge(True)(rho, alpha, beta, nu, rho_rate, alpha_rate, beta_rate)[1])
 
-    by_rho, by_alpha, by_beta = along(1, 0, 0), along(0, 1, 0), along(0, 0, 1)
+    by_rho, by_alpha, by_beta = directional_rate(1, 0, 0), directional_rate(0, 1, 0), directional_rate(0, 0, 1)
     assert -8 * EPS <= by_rho <= 1 + 8 * EPS
     assert abs(by_rho + by_beta - 1) <= 8 * EPS
     assert by_alpha == -by_rho
     assert abs(float(adaptive_tube.edge_jacobian()(rho, alpha, beta, nu)[1]) + by_rho) <= 8 * EPS
 
 
-def test_the_gradient_at_a_tie_is_one_half_each() -> None:
+def test_the_gradient_where_both_values_are_equal_is_one_half_each() -> None:
     assert float(adaptive_tube.lower_edge(True)(1.0, 0.5, 0.5, 100.0, 1.0, 0.0, 0.0)[1]) == 0.5
     assert float(adaptive_tube.upper_edge(True)(0.0, 0.5, 0.5, 100.0, 1.0, 0.0, 0.0)[1]) == 0.5
 
@@ -281,32 +287,32 @@ def test_the_update_time_jacobian_is_the_derivative_along_psi(point, psi_rate: f
     psi, z, theta0, kappa, mu, varsigma = point
     alpha = z - psi
     assume(alpha >= 0)
-    got = float(adaptive_tube.update_time_jacobian()(psi, psi_rate, alpha, theta0, kappa, mu, varsigma))
+    computed = float(adaptive_tube.update_time_jacobian()(psi, psi_rate, alpha, theta0, kappa, mu, varsigma))
 
-    def along(t):
-        now = mpmath.mpf(psi) + psi_rate * t
-        return theta0 * (1 - mpmath.tanh(varsigma * (now - mu))) / (now + alpha) ** 2
+    def force_at(t):
+        psi_at_t = mpmath.mpf(psi) + psi_rate * t
+        return theta0 * (1 - mpmath.tanh(varsigma * (psi_at_t - mu))) / (psi_at_t + alpha) ** 2
 
     scale = abs(psi_rate) * theta0 * (varsigma + 2 / z) * 2 / z**2
     assert (
-        abs(got - derivative(along, 0.0))
+        abs(computed - derivative(force_at, 0.0))
         <= 1e-12 * (1 + varsigma * (abs(psi) + mu)) * (1 + (abs(psi) + alpha) / z) * scale + 1e-14
     )
 
 
 @given(st.floats(-1e7, 1e7), st.floats(-14, 14))
-def test_seven_newton_iterates_reach_the_root_for_every_p_and_q(p: float, exponent: float) -> None:
-    """One more iterate changes nothing but a rounding, and the last is above the root's sign change within that."""
+def test_newtons_iterates_reach_the_root_for_every_p_and_q(p: float, exponent: float) -> None:
+    """One more iterate differs only by rounding, and the last one is above p."""
     q = 10.0**exponent
     start = adaptive_tube.implicit_start()
-    # psi = p with alpha = 0 and h = 1, kappa = 0 nearly: q = h theta, theta = 2 theta0 far in conflict
+    # With psi = p, alpha = 0, h = 1 and kappa nearly 0 the step has q = h theta; far in conflict theta is 2 theta0.
     _, q_got, _, z = (float(v) for v in start(p, 0.0, 1.0, q / 2, 1e-30, p + 1e9, 1.0))
     assert abs(q_got - q) <= 8 * EPS * q
     for _ in range(adaptive_tube.NEWTON):
         z = float(adaptive_tube.newton()(p, q_got, z))
-    again = float(adaptive_tube.newton()(p, q_got, z))
-    # a residual is rounded to (|z| + |p|) z^2 EPS, which moves the iterate by that over the slope z (3 z - 2 p)
-    assert abs(again - z) <= 16 * EPS * (z + abs(p) * z / (3 * z - 2 * p) + z)
+    next_iterate = float(adaptive_tube.newton()(p, q_got, z))
+    # The residual is rounded by (|z| + |p|) z^2 EPS, which moves the iterate by that divided by the slope z (3 z - 2 p).
+    assert abs(next_iterate - z) <= 16 * EPS * (z + abs(p) * z / (3 * z - 2 * p) + z)
     assert z > max(p, 0) * (1 - 4 * EPS)
 
 
@@ -324,11 +330,11 @@ def test_the_edge_jacobian_is_the_derivative_in_alpha(rho: float, alpha: float, 
 @pytest.mark.parametrize("t_c", ["0.000000001", "0.001", "900000000"])
 def test_literal_windows_are_relative_to_the_prescribed_time(t_c: str) -> None:
     task = task_of("omni_s2")
-    usual = {b.unsafe: b for b in design_literal(task).bumps}
+    bumps_by_set = {bump.unsafe: bump for bump in design_literal(task).bumps}
     scale = Fraction(t_c) / 9
-    for b in design_literal(task.model_copy(update={"prescribed_time": Fraction(t_c)})).bumps:
-        assert abs(b.middle / scale / usual[b.unsafe].middle - 1) < 1e-5
-        assert abs(b.radius / scale / usual[b.unsafe].radius - 1) < 1e-5
+    for bump in design_literal(task.model_copy(update={"prescribed_time": Fraction(t_c)})).bumps:
+        assert abs(bump.middle / scale / bumps_by_set[bump.unsafe].middle - 1) < 1e-5
+        assert abs(bump.radius / scale / bumps_by_set[bump.unsafe].radius - 1) < 1e-5
 
 
 @pytest.mark.parametrize("overshoot", [0.05, 0.1, 0.3])
@@ -341,7 +347,7 @@ def test_bumps_are_never_upside_down_whatever_the_overshoot(overshoot: float) ->
 def test_the_implicit_step_solves_its_equation_and_stays_positive(
     psi: float, z: float, h: float, theta0: float, kappa: float
 ) -> None:
-    """alpha' = alpha + h (theta/(psi + alpha')^2 - kappa alpha'), with psi + alpha' > 0 and alpha' >= 0, for any step."""
+    """The step solves alpha' = alpha + h (theta/(psi + alpha')^2 - kappa alpha'), with psi + alpha' > 0 and alpha' >= 0."""
     mu, varsigma = 0.3, 20.0
     alpha = z - psi
     assume(alpha >= 0)
@@ -379,14 +385,14 @@ def test_psi_plus_alpha_stays_positive_for_every_step_length(name: str, dt: floa
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
-def test_the_implicit_step_is_of_first_order_against_a_stiff_integrator(name: str) -> None:
-    """Radau at 1e-10; halving the step halves the error (a quarter of tolerance for the next term)."""
+def test_the_implicit_step_is_of_first_order(name: str) -> None:
+    """Against Radau with tolerance 1e-10: halving the step halves the error, up to a quarter for the next term."""
     from benchmarks.alpha import stepped_alpha, stiff_alpha
 
     design = design_adaptive(task_of(name))
     times, truth = stiff_alpha(design)
     errors = [np.abs(stepped_alpha(design, float(design.prescribed_time) / n, times) - truth).max() for n in (3600, 7200)]
-    if not design.bumps:  # alpha hardly wakes: nothing to compare
+    if not design.bumps:  # alpha stays near 0, so there is nothing to compare
         assert truth.max() < 1e-4
         assert errors[1] < 1e-5
         return
@@ -423,7 +429,7 @@ def test_the_laws_jacobians_are_its_derivatives(
 
 @pytest.mark.parametrize("name", STARTS)
 @pytest.mark.parametrize("seed", range(4))
-def test_the_papers_rule_collides_in_its_own_case_study_whichever_sides_are_drawn(name: str, seed: int) -> None:
+def test_the_papers_rule_collides_in_its_case_study_for_every_drawn_side(name: str, seed: int) -> None:
     task = task_of(name)
     task = task.model_copy(update={"tube": task.tube.model_copy(update={"seed": seed, "clearance": Fraction(0)})})
     certificate = falsify(task, design_literal(task))
@@ -433,15 +439,15 @@ def test_the_papers_rule_collides_in_its_own_case_study_whichever_sides_are_draw
 
 
 @pytest.mark.parametrize(("name", "unsafe", "dimension"), [("omni_s1", "O1", 0), ("omni_s3", "O4", 1)])
-def test_rule_6_picks_the_direction_of_travel(name: str, unsafe: str, dimension: int) -> None:
-    """S1 with O1 moves along x1 alone, S3 with O4 along x2 alone: no bump there can keep the tube out of the set."""
+def test_rule_6_chooses_the_direction_of_travel(name: str, unsafe: str, dimension: int) -> None:
+    """From S1 the tube passes O1 along x1 only, from S3 it passes O4 along x2 only: a bump in that dimension cannot avoid the set."""
     bump = next(b for b in design_literal(task_of(name)).bumps if b.unsafe == unsafe)
     assert bump.dimension == dimension
 
 
 @given(st.integers(0, 200))
 def test_the_literal_dimension_is_that_of_6(seed: int) -> None:
-    """Of the dimension whose window opens last and the one whose window closes first, the one with the shorter window."""
+    """The rule takes the dimension whose window opens last, or the one whose window closes first: the one with the shorter window."""
     from benchmarks.suites.families import FAMILIES, arena_task
 
     task = arena_task(FAMILIES["paper"], seed)
@@ -461,7 +467,7 @@ def test_the_literal_dimension_is_that_of_6(seed: int) -> None:
 
 
 def test_the_literal_target_is_lost_where_it_touches_a_wall() -> None:
-    """Row 8 of what breaks: gamma_L(t_c) = 4.485 < 4.5, because the conflict with the wall never ends."""
+    """gamma_L(t_c) = 4.485 < 4.5, because the conflict with the wall never ends."""
     _, _, gamma, _ = grid_tube(design_literal(task_of("omni_s2")))
     assert abs(gamma[-1, :, 0].min() - 4.485) < 0.001
 
@@ -490,14 +496,20 @@ def test_the_adaptive_design_meets_p1_to_p6_at_samples_of_every_example_task(nam
 
 def test_adaptive_parameters_are_exact_in_float_and_bumps_end_within_the_prescribed_time() -> None:
     for name in NAMES:
-        d = design_adaptive(task_of(name))
-        values = [v for pair in (*d.start, *d.target, *d.walls) for v in pair] + [d.theta0, d.kappa, d.mu, d.varsigma, d.nu]
-        values += [v for b in d.bumps for v in (b.height, b.steepness, b.middle, b.radius)]
+        design = design_adaptive(task_of(name))
+        values = [v for pair in (*design.start, *design.target, *design.walls) for v in pair] + [
+            design.theta0,
+            design.kappa,
+            design.mu,
+            design.varsigma,
+            design.nu,
+        ]
+        values += [v for bump in design.bumps for v in (bump.height, bump.steepness, bump.middle, bump.radius)]
         assert all(Fraction(float(np.float32(float(v)))) == v for v in values)
-        for b in d.bumps:
-            assert b.side in (LOWER, UPPER)
-            assert b.middle - b.radius >= 0
-            assert b.middle + b.radius <= d.prescribed_time
+        for bump in design.bumps:
+            assert bump.side in (LOWER, UPPER)
+            assert bump.middle - bump.radius >= 0
+            assert bump.middle + bump.radius <= design.prescribed_time
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -509,12 +521,12 @@ def test_an_adaptive_arena_is_sound_at_samples_or_refused(seed: int) -> None:
     try:
         design = design_adaptive(task)
     except NotCertified:
-        assert seed in (11, 23, 25, 29)  # 94 of the first 100 are found
+        assert seed in (11, 23, 25, 29)  # of the first 100 seeds, 94 get a design
         return
     assert not falsify(task, design).failures
 
 
-def test_an_s_bend_between_two_walls_is_passed_by_holding_a_dimension_back() -> None:
+def test_an_s_bend_between_two_walls_is_passed_with_bumps_in_both_dimensions() -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
     head, tail = text.split("[[unsafe]]")[0], "[tube]" + text.split("[tube]")[1]
     walls = [("O1", [1.0, 0.0], [2.0, 2.5]), ("O2", [3.0, 2.0], [3.5, 5.0])]
@@ -525,7 +537,7 @@ def test_an_s_bend_between_two_walls_is_passed_by_holding_a_dimension_back() -> 
     assert not falsify(task, design).failures
 
 
-def test_the_tasks_own_parameters_replace_the_searchs() -> None:
+def test_parameters_of_the_task_replace_those_of_the_search() -> None:
     text = (ROOT / "tasks" / "omni_s3.toml").read_text() + "\n[tube.adaptive]\nkappa = 40.0\nnu = 128.0\n"
     design = design_adaptive(parse_task(text))
     assert (design.kappa, design.nu) == (40, 128)
