@@ -38,12 +38,13 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.mutants.order_two import INERTIAL, draw_inertial
-from benchmarks.mutants.sampled import HELD, Held, draw_held
-from benchmarks.mutants.tubes import BESIDE, KINDS, MOVING, SHAPED, draw
-from benchmarks.oracles.order_two import first_inertia_fault, hull_fault, leaving
-from benchmarks.oracles.sampled import Bounds, counterexample
-from benchmarks.oracles.tubes import Fault, Undecided, first_fault
+from benchmarks.mutants.order_two import ORDER_TWO_MUTATIONS, draw_order_two_mutant
+from benchmarks.mutants.sampled import SAMPLED_MUTATIONS, BaseLoop, draw_sampled_mutant
+from benchmarks.mutants.tubes import ALL_BASE_NAMES, MUTATIONS, SHAPE_KINDS, TIMED_SET_KINDS, draw_mutant
+from benchmarks.oracles.cubics import Undecided
+from benchmarks.oracles.order_two import first_order_two_fault, leaving_state, property_that_hulls_miss
+from benchmarks.oracles.sampled import ClaimedBounds, counterexample
+from benchmarks.oracles.tubes import Fault, first_fault
 from benchmarks.suites.report import command, machine, record
 from stt_codegen.certify import checker
 from stt_codegen.certify.certificate import Certificate, PeriodProof
@@ -57,7 +58,7 @@ from stt_codegen.sampling.sampling_conditions import input_bound
 from stt_codegen.task.schema import PlantBounds
 from stt_codegen.task.task import Task
 
-ORDER_TWO_KINDS = (*INERTIAL, *HELD)
+ORDER_TWO_KINDS = (*ORDER_TWO_MUTATIONS, *SAMPLED_MUTATIONS)
 NEAR_UNITS = 16  # units of the table within which a mutant counts as near the boundary
 EXACT_CONTEXT = decimal.Context(prec=200, traps=[decimal.Inexact])  # digits; a division that is not exact raises an error
 
@@ -105,13 +106,14 @@ def judge(
     number: int,
     seed: int,
     with_checker: bool,
-    names: Sequence[str] = SHAPED,
-    kinds: Sequence[str] = tuple(KINDS),
+    names: Sequence[str] = ALL_BASE_NAMES,
+    kinds: Sequence[str] = tuple(MUTATIONS),
     *,
     scalars: Sequence[str] = ("float", "double"),
 ) -> Judgement:
     """Draw a mutant of order 1, and judge it by the oracle, the tool and, `with_checker`, the checker."""
-    kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names, kinds, scalars)
+    drawn = draw_mutant(Random(f"{seed} {number}"), names, kinds, scalars)
+    kind, name, (task, design) = drawn.kind, drawn.base_name, drawn.mutant
     try:
         fault = first_fault(task, design)
         margin = (NEAR_UNITS if fault is None else -NEAR_UNITS) * design.unit
@@ -145,17 +147,18 @@ def judge_filtered_tube(rng: Random, number: int, with_checker: bool, **among: S
     Where the limits (P8) are violated, a trajectory that leaves the tube must exist; a fault without one has another code.
     among: names of the bases and kinds of the mutations.
     """
-    kind, name, _, (task, design) = draw_inertial(rng, **among)
+    drawn = draw_order_two_mutant(rng, **among)
+    kind, name, (task, design) = drawn.kind, drawn.base_name, drawn.mutant
 
     def fault_of(units: int) -> Fault | None:
-        return first_fault(task, design, units * design.unit) or first_inertia_fault(task, design, units)
+        return first_fault(task, design, units * design.unit) or first_order_two_fault(task, design, units)
 
     try:
         fault = fault_of(0)
         is_near = (fault_of(NEAR_UNITS if fault is None else -NEAR_UNITS) is None) != (fault is None)
     except Undecided:
         return Judgement(number, kind, name, None, False, False, ())
-    if fault is not None and fault.code == "P8" and leaving(task, design, fault) is None:
+    if fault is not None and fault.code == "P8" and leaving_state(task, design, fault) is None:
         fault = replace(fault, code="P8, nothing leaves")
     certificate = certify(task, design, build_program(task, design))
     failing = " ".join(sorted({f.code for f in certificate.failures}))
@@ -170,7 +173,7 @@ def judge_filtered_tube(rng: Random, number: int, with_checker: bool, **among: S
             return Answer(opinion.passed)
         if without_margin := first_fault(task, design, opinion.error_band()):
             return Answer(False, False, f"{without_margin.code} leaves no margin for the arithmetic")
-        if coarse := hull_fault(task, design, required_width, 1):
+        if coarse := property_that_hulls_miss(task, design, required_width, 1):
             return Answer(False, False, f"{coarse}: hull of a segment")
         return Answer(False, True, opinion.reason)
 
@@ -183,22 +186,23 @@ def judge_sampled_loop(rng: Random, number: int, with_checker: bool, **among: Se
     A simulation may refute the period, or the proved bounds on the error e and the input u. Where none does, the truth is not
     known, and the judgement is undecided.
     """
-    kind, name, base, (task, design) = draw_held(rng, **among)
+    drawn = draw_sampled_mutant(rng, **among)
+    kind, name, (task, design) = drawn.kind, drawn.base_name, drawn.mutant
     certificate = certify(task, design, build_program(task, design))
     proof = certificate.proved_period if certificate.holds else None
     bounds = None
     if proof is not None:
-        bounds = Bounds(tuple(float((r - 1) / (r + 1)) for r in proof.rho), tuple(float(v) for v in proof.u))
-    left, outside = counterexample(task, design, number, bounds), first_inertia_fault(task, design)
+        bounds = ClaimedBounds(tuple(float((r - 1) / (r + 1)) for r in proof.rho), tuple(float(v) for v in proof.u))
+    left, outside = counterexample(task, design, number, bounds), first_order_two_fault(task, design)
     fault = outside or (None if left is None else Fault("P9", Fraction(left.time), left.dimension))
     answers, ask = [Answer(certificate.holds)], check_numbers_then_all if fault else check_numbers
     if with_checker:
-        is_accepted = any(ask(task, design, certificate, p).passed for p in possible_proofs(task, design, base, proof))
+        is_accepted = any(ask(task, design, certificate, p).passed for p in possible_proofs(task, design, drawn.base, proof))
         answers.append(Answer(is_accepted))
     return Judgement(number, kind, name, fault, False, fault is not None, tuple(answers))
 
 
-def possible_proofs(task: Task, design: RefinedDesign, base: Held, proof: PeriodProof | None) -> list[PeriodProof]:
+def possible_proofs(task: Task, design: RefinedDesign, base: BaseLoop, proof: PeriodProof | None) -> list[PeriodProof]:
     """Return proofs of the period that a certificate may claim.
 
     That is the tool's proof; where there is none, one with the base's bounds on e, and one with e up to the clamp.
@@ -367,7 +371,7 @@ def task_text(task: Task) -> str:
 # ------------------------------------------------------------------------------------------------ the table
 
 
-def table(judgements: Sequence[Judgement], judges: Sequence[str], kinds: Sequence[str] = tuple(KINDS)) -> str:
+def table(judgements: Sequence[Judgement], judges: Sequence[str], kinds: Sequence[str] = tuple(MUTATIONS)) -> str:
     """Return a table with a row for each kind of mutation, what its columns mean, and why safe mutants were refused.
 
     judges: names of the tool and, where it was asked, the checker, in the order of the judgements' answers.
@@ -403,7 +407,7 @@ def _order_two_lines(judgements: Sequence[Judgement], a: int, judge_name: str) -
     a: index of the judge in the answers.
     """
     reasons = (j.answers[a].reason for j in judgements if j.is_decided and not j.fault and not j.answers[a].passed)
-    unknown = [j for j in judgements if j.kind in HELD and not j.is_decided]
+    unknown = [j for j in judgements if j.kind in SAMPLED_MUTATIONS and not j.is_decided]
     proved = sum(j.answers[a].passed for j in unknown)
     return [
         f"{judge_name}: refused though safe, why: {count_text(reasons)}",
@@ -431,7 +435,8 @@ def main() -> int:
     parser.add_argument("--inertia", action="store_true", help="only tubes and sampled loops for plants of order 2")
     options = parser.parse_args()
     begin, judgements = time.perf_counter(), []
-    kinds = BESIDE if options.shapes else MOVING if options.moving else ORDER_TWO_KINDS if options.inertia else tuple(KINDS)
+    by_option = {"shapes": SHAPE_KINDS, "moving": TIMED_SET_KINDS, "inertia": ORDER_TWO_KINDS}
+    kinds = next((kinds for name, kinds in by_option.items() if getattr(options, name)), tuple(MUTATIONS))
     scalars = ("fixed",) if options.integers else ("float", "double")
     judge_mutant = judge_order_two if options.inertia else partial(judge, kinds=kinds, scalars=scalars)
     with multiprocessing.Pool(options.processes) as pool:
@@ -442,7 +447,7 @@ def main() -> int:
                 print(f"\r{len(judgements)}/{options.count}", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
     judges = ("tool", "checker") if options.checker else ("tool",)
-    text = table(judgements, judges, kinds if options.inertia else tuple(KINDS))
+    text = table(judgements, judges, kinds if options.inertia else tuple(MUTATIONS))
     print(text)
     passed = [j for j in judgements if j.fault and any(a.passed for a in j.answers)]
     flags = next((f" --{name}" for name in ("shapes", "moving", "inertia") if getattr(options, name)), "")

@@ -30,7 +30,15 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.oracles.rooms import ListedRoom, box_is_inside, listed, partition_fault, piece_of, sides, times_outside
+from benchmarks.oracles.rooms import (
+    ListedRoom,
+    contains_box,
+    corners_of,
+    partition_fault,
+    room_from_numbers,
+    sides,
+    times_outside,
+)
 from benchmarks.suites.report import command, machine, record
 from stt_codegen.certify import checker
 from stt_codegen.errors import NotCertified
@@ -62,7 +70,7 @@ class Draw:
 
     @property
     def room(self) -> ListedRoom:
-        return listed(self.outline, self.holes)
+        return room_from_numbers(self.outline, self.holes)
 
 
 def corridors(rng: random.Random) -> list[list[bool]]:
@@ -158,8 +166,8 @@ def draw(seed: int) -> Draw:
         rng.shuffle(places)
         if rng.random() < 0.5:
             outline = outline[::-1]
-        room = listed(outline, holes)
-        good = [p for p in places if box_is_inside(room, box_about(p, [HALF + b + 2 * CLEARANCE for b in body]))]
+        room = room_from_numbers(outline, holes)
+        good = [p for p in places if contains_box(room, box_about(p, [HALF + b + 2 * CLEARANCE for b in body]))]
         if len(good) > 1:
             far = max(good[1:], key=lambda p: math.dist(p, good[0]))
             return Draw(outline, holes, good[0], far, body, axes)
@@ -241,7 +249,7 @@ def judge(seed: int, parts: int, checked: bool) -> Verdict:
     """Design a room and hold it to its corners. checked: by the stand-alone checker too."""
     drawn = draw(seed)
     room, task = drawn.room, parse_task(text_of(drawn))
-    if fault := partition_fault(room, [piece_of(table) for table in task.unsafe]):
+    if fault := partition_fault(room, [corners_of(table) for table in task.unsafe]):
         return Verdict(fault, True, len(task.unsafe), 0.0)
     begin = time.process_time()
     try:
@@ -251,7 +259,7 @@ def judge(seed: int, parts: int, checked: bool) -> Verdict:
     seconds = time.process_time() - begin
     axes = drawn.axes or (0, 1)
     body = [Fraction(0)] * task.dimension if task.body is None else list(task.body)
-    outside = times_outside(room, controller.design, axes, body, Fraction(str(CLEARANCE)), parts)
+    outside = times_outside(room, controller.design, axes, body, clearance=Fraction(str(CLEARANCE)), parts=parts)
     if outside:
         return Verdict(f"{len(outside)} times outside, first at {float(outside[0]):g} s", True, len(task.unsafe), seconds)
     problem = objection(controller.files) if checked else ""

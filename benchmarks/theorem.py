@@ -24,9 +24,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from random import Random
 
-from benchmarks.mutants.tubes import KINDS, SHAPED, draw
+from benchmarks.mutants.tubes import ALL_BASE_NAMES, MUTATIONS, draw_mutant
 from benchmarks.mutations import files_claiming_success
-from benchmarks.oracles.tubes import Undecided, first_fault
+from benchmarks.oracles.cubics import Undecided
+from benchmarks.oracles.tubes import first_fault
 from benchmarks.suites.report import command, machine, record, table
 from benchmarks.token_mutants import changed_files, is_accepted, reason_for_same_meaning, shipped_files, token_mutants
 from stt_codegen.decimals import decimal
@@ -80,7 +81,7 @@ def unsafe_mutants(seed: int) -> Iterator[tuple[str, bytes | None, str]]:
     The text is None where the reader of the C refuses the mutant.
     """
     for number in itertools.count(1):
-        _, _, _, (task, design) = draw(Random(f"theorem {seed} {number}"), SHAPED, tuple(KINDS))
+        task, design = draw_mutant(Random(f"theorem {seed} {number}"), ALL_BASE_NAMES, tuple(MUTATIONS)).mutant
         try:
             fault = first_fault(task, design)
         except Undecided:

@@ -1,9 +1,10 @@
-"""Mutants of order 2 for `mutations.py --inertia`: certified tubes for plants of order 2 bent, or what is claimed of them made
-harder, one change each.
+"""Mutants of order 2 for `mutations.py --inertia`: certified tubes for plants of order 2 with a changed table or filter, or their
+claims made harder, by one random change each.
 
-Bases: the case study, others of tasks/ and random arenas as plants of order 2, in four ways: starts at rest or with a speed, u
-free or limited with bounds on the plant, so that P8 is claimed. Sizes are of every magnitude, one unit of the table too. "at the
-flip": as large as it may be to the unit, by the truth, and a little more or less.
+Bases are the case study, other tasks and random arenas, as plants of order 2, in four ways: starts at rest or with a speed, u
+free or limited with bounds on the plant, so that P8 is claimed. Sizes are of every magnitude, down to one unit of the table. "at
+the flip" is the largest change that the oracle calls safe, and a little more or less. The order of random draws is part of the
+benchmark.
 """
 
 from __future__ import annotations
@@ -18,21 +19,29 @@ from typing import Any
 
 from benchmarks.mutants.tubes import (
     TASKS,
-    Base,
+    BaseTube,
+    DrawnMutant,
     Mutant,
-    amount,
-    bend,
-    bent,
-    entry,
-    repeat,
-    shift,
-    short,
-    slack,
-    somewhere,
-    swap,
-    well_formed,
+    Mutation,
+    change_entries,
+    draw_change,
+    draw_entry,
+    draw_slack,
+    floor_to_file,
+    is_well_formed,
+    repeat_row,
+    shift_row,
+    swap_entries,
+    table_mutation,
+    with_entry,
 )
-from benchmarks.oracles.order_two import first_inertia_fault, greatest, piece, spare_input, value
+from benchmarks.oracles.order_two import (
+    available_accelerations,
+    first_order_two_fault,
+    largest_required_acceleration,
+    spline_piece,
+)
+from benchmarks.oracles.sturm import evaluate
 from benchmarks.suites.families import FAMILIES, arena_task
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import NotCertified
@@ -40,29 +49,31 @@ from stt_codegen.pipeline import build_task, design_tube
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
 
-OWN = ("omni_s1", "omni_s2", "omni_s3", "spacecraft", "trolley", "drone")
-NAMES = (*OWN, *(f"paper {seed}" for seed in range(12)), *(f"dense12 {seed}" for seed in range(3)), "space3 0")
-WAYS = ("rest", "moving", "limited", "moving limited")
-SCALARS = {"float": 24, "double": 53}
-PUSH = Fraction(3, 10)
+TASK_NAMES = ("omni_s1", "omni_s2", "omni_s3", "spacecraft", "trolley", "drone")
+BASE_NAMES = (*TASK_NAMES, *(f"paper {seed}" for seed in range(12)), *(f"dense12 {seed}" for seed in range(3)), "space3 0")
+CLAIMS = ("rest", "moving", "limited", "moving limited")  # at rest or with a speed; u free or limited
+SIGNIFICANT_BITS = {"float": 24, "double": 53}
+DISTURBANCE = Fraction(3, 10)  # w_max of every base
+SMALLEST_VALUE = Fraction(1, 1 << 20)  # of a speed or of lambda
 
 
-def inertial_task(name: str, scalar: str) -> Task:
-    """A task or arena as a plant of order 2 with nothing else said of u, plant and starts."""
+def order_two_task(name: str, scalar: str) -> Task:
+    """Return a task or arena as a plant of order 2, without its gain, limits of u, bounds of the plant and speeds of starts."""
     family, _, seed = name.partition(" ")
     task = arena_task(FAMILIES[family], int(seed)) if seed else load_task(TASKS / f"{name}.toml")
     prefer = "slow" if scalar == "double" else "balanced"  # slow tubes narrow, which is what breaks W' + lambda W
     tube = {"clearance": task.tube.clearance, "min_width": task.tube.min_width, "prefer": prefer}
-    given: dict[str, Any] = {v: getattr(task, v) for v in task.model_fields_set - {"tube", "control", "plant", "emit", "map"}}
-    given["initial_set"] = {"lower": task.initial_set.lower, "upper": task.initial_set.upper}
-    return Task(**given, tube=tube, plant={"order": 2}, emit={"scalar": scalar})
+    tables: dict[str, Any] = {v: getattr(task, v) for v in task.model_fields_set - {"tube", "control", "plant", "emit", "map"}}
+    tables["initial_set"] = {"lower": task.initial_set.lower, "upper": task.initial_set.upper}
+    return Task(**tables, tube=tube, plant={"order": 2}, emit={"scalar": scalar})
 
 
 @cache
-def tube_of(name: str, scalar: str) -> tuple[Task, RefinedDesign] | None:
-    task = inertial_task(name, scalar)
+def order_two_design(name: str, scalar: str) -> tuple[Task, RefinedDesign] | None:
+    """Design the tube of `order_two_task`, whose task is returned with it; None where there is no tube."""
+    task = order_two_task(name, scalar)
     try:
-        design = design_tube(task.changed(plant={"w_max": PUSH}))
+        design = design_tube(task.changed(plant={"w_max": DISTURBANCE}))
     except NotCertified:
         return None
     assert isinstance(design, RefinedDesign)
@@ -70,265 +81,284 @@ def tube_of(name: str, scalar: str) -> tuple[Task, RefinedDesign] | None:
 
 
 @cache
-def inertial_base(name: str, scalar: str, way: str) -> Base | None:
-    """A certified tube of order 2 with what is claimed of it; None where there is none."""
-    found = tube_of(name, scalar)
-    if found is None:
+def order_two_base(name: str, scalar: str, claims: str) -> BaseTube | None:
+    """Return a certified tube of order 2 with random claims of a kind of CLAIMS; None where it is not certified."""
+    designed = order_two_design(name, scalar)
+    if designed is None:
         return None
-    (task, design), dice = found, Random(f"{name} {scalar} {way}")
-    plant: dict[str, Any] = {"w_max": PUSH}
-    if "moving" in way:
-        share = Fraction(dice.choice((50, 70, 90)), 100)
-        room = [v * Fraction(dice.choice((2, 5, 8)), 10) for v in start_rooms(task.changed(initial_set={"share": share}), design)]
-        task = task.changed(initial_set={"share": share, "speed": tuple(max(short(v), Fraction(1, 1 << 20)) for v in room)})
-    if "limited" in way:
-        plant |= {"f_max": Fraction(dice.choice((0, 1)), 10), "g_min": Fraction(dice.choice((6, 9, 10)), 10)}
-        plant |= {"g_cross": Fraction(dice.choice((0, 0, 2)), 100)}
-        most = max(greatest(design, i) for i in range(design.dimension))
-        needed = (most + PUSH + plant["f_max"]) / (plant["g_min"] - plant["g_cross"] * (design.dimension - 1))
-        u_max = short(needed * Fraction(dice.choice((101, 105, 130, 200)), 100))
+    (task, design), rng = designed, Random(f"{name} {scalar} {claims}")
+    plant: dict[str, Any] = {"w_max": DISTURBANCE}
+    if "moving" in claims:
+        share = Fraction(rng.choice((50, 70, 90)), 100)
+        largest = largest_start_speeds(task.changed(initial_set={"share": share}), design)
+        speeds = [v * Fraction(rng.choice((2, 5, 8)), 10) for v in largest]
+        speed = tuple(max(floor_to_file(v), SMALLEST_VALUE) for v in speeds)
+        task = task.changed(initial_set={"share": share, "speed": speed})
+    if "limited" in claims:
+        plant |= {"f_max": Fraction(rng.choice((0, 1)), 10), "g_min": Fraction(rng.choice((6, 9, 10)), 10)}
+        plant |= {"g_cross": Fraction(rng.choice((0, 0, 2)), 100)}
+        required = max(largest_required_acceleration(design, i) for i in range(design.dimension))
+        needed_input = (required + DISTURBANCE + plant["f_max"]) / (plant["g_min"] - plant["g_cross"] * (design.dimension - 1))
+        u_max = floor_to_file(needed_input * Fraction(rng.choice((101, 105, 130, 200)), 100))
         task = task.changed(control={"u_max": (u_max,) * design.dimension})
     try:
-        c = build_task(task.changed(plant=plant), tube=design)
+        controller = build_task(task.changed(plant=plant), tube=design)
     except NotCertified:
         return None
-    return Base(c.task, design, {f.code: f.margin for f in c.certificate.findings})
+    return BaseTube(controller.task, design, {finding.code: finding.margin for finding in controller.certificate.findings})
 
 
-def start_rooms(task: Task, design: RefinedDesign) -> list[Fraction]:
-    """The largest speed of a start in the share, by component: where z would be on an edge of the filtered tube."""
-    found = []
+def largest_start_speeds(task: Task, design: RefinedDesign) -> list[Fraction]:
+    """Return the largest speed of a start in the start share, by component: with it z is on an edge of the filtered tube."""
+    speeds = []
     for i in range(design.dimension):
-        first = piece(design, 0, i)
-        low, high = (value(first.derived(p), Fraction(0)) for p in (first.lower, first.upper))
-        inside = first.value * (1 - task.initial_set.share) / 2 * value(first.width, Fraction(0))
-        found.append(inside + min(-low, high))
-    return found
+        first = spline_piece(design, 0, i)
+        low, high = (evaluate(first.time_derivative(p), Fraction(0)) for p in (first.lower, first.upper))
+        inside = first.lambda_ * (1 - task.initial_set.share) / 2 * evaluate(first.width, Fraction(0))
+        speeds.append(inside + min(-low, high))
+    return speeds
 
 
 # ------------------------------------------------------------------------------------------------ the table
 
 
-def unit_moved(dice: Random, table: Any) -> None:
-    """One entry by one unit, or a few, often of the rows that start and stop the tube."""
-    j, i, side = somewhere(dice, table)
-    j = dice.choice((0, 1, 2, len(table) - 1, len(table) - 2, len(table) - 3, j, j))
-    table[j, i, side] += dice.choice((-1, 1)) * dice.choice((1, 1, 2, 5))
+def change_by_few_units(rng: Random, table: Any) -> None:
+    """Change one entry by one unit, or a few, often in a row at which the tube starts or stops."""
+    j, i, side = draw_entry(rng, table)
+    j = rng.choice((0, 1, 2, len(table) - 1, len(table) - 2, len(table) - 3, j, j))
+    table[j, i, side] += rng.choice((-1, 1)) * rng.choice((1, 1, 2, 5))
 
 
-def stop(dice: Random, table: Any, all_three: bool) -> None:
-    """The end no longer at rest; or all of it elsewhere."""
-    _, i, side = somewhere(dice, table)
-    rows = [-3, -2, -1] if all_three else dice.choice(([-1], [-2], [-3], [-1, -2], [-1, -3], [-2, -3]))
-    table[rows, i, side] += amount(dice, dice.choice((3, 14)))
+def move_last_rows(rng: Random, table: Any, all_three: bool) -> None:
+    """Move an edge in some of the last three rows, so that it is not at rest at the end; or in all of them, so that the end is
+    elsewhere."""
+    _, i, side = draw_entry(rng, table)
+    rows = [-3, -2, -1] if all_three else rng.choice(([-1], [-2], [-3], [-1, -2], [-1, -3], [-2, -3]))
+    table[rows, i, side] += draw_change(rng, rng.choice((3, 14)))
 
 
-def start_turned(dice: Random, table: Any) -> None:
-    """An edge's rate at 0, which is 0 in most tubes."""
-    _, i, side = somewhere(dice, table)
-    table[dice.choice((0, 2)), i, side] += amount(dice, dice.choice((2, 14)))
+def turn_start(rng: Random, table: Any) -> None:
+    """Change an edge's rate at 0, which is 0 in most tubes."""
+    _, i, side = draw_entry(rng, table)
+    table[rng.choice((0, 2)), i, side] += draw_change(rng, rng.choice((2, 14)))
 
 
-def flip(safe: Callable[[int], bool], top: int) -> int | None:
-    """The largest whole number below 2^top up to which it is safe, by halving; None where all is, or nothing."""
-    low, high = 0, 1 << top
-    if safe(high) or not safe(low):
+def last_safe_step(is_safe: Callable[[int], bool], bits: int) -> int | None:
+    """Return by halving a step below 2^bits that is safe, while the next one is not; None where all are safe, or step 0 is
+    not."""
+    low, high = 0, 1 << bits
+    if is_safe(high) or not is_safe(low):
         return None
     while high - low > 1:
         middle = (low + high) // 2
-        low, high = (middle, high) if safe(middle) else (low, middle)
+        low, high = (middle, high) if is_safe(middle) else (low, middle)
     return low
 
 
-def near(dice: Random) -> int:
-    """Beside a flip: on its safe side or beyond it by one unit, or more."""
-    return dice.choice((0, 1, 1 + abs(amount(dice, 8)), -abs(amount(dice, 8))))
+def draw_beside_flip(rng: Random) -> int:
+    """Draw how many steps beyond the last safe one a mutant is: 0, one, more, or less than none."""
+    return rng.choice((0, 1, 1 + abs(draw_change(rng, 8)), -abs(draw_change(rng, 8))))
 
 
-def coefficient_at_flip(dice: Random, b: Base) -> Mutant:
-    """One entry moved until the truth of order 2 turns."""
+def move_coefficient_to_flip(rng: Random, base: BaseTube) -> Mutant:
+    """Move one entry until the oracle of order 2 changes its answer."""
     for _ in range(20):
-        j, i, side = dice.randrange(len(b.design.table)), dice.randrange(b.task.dimension), dice.randrange(2)
-        sign = dice.choice((-1, 1))
+        j, i, side = rng.randrange(len(base.design.table)), rng.randrange(base.task.dimension), rng.randrange(2)
+        moved = partial(_with_moved_entry, base.design, (j, i, side), rng.choice((-1, 1)))
+        segments = range(max(j - 3, 0), min(j, base.design.segments - 1) + 1)  # those that the entry shapes
+        step = last_safe_step(partial(_is_safe_in_segments, base.task, moved, segments), 20)
+        if step is not None:
+            return Mutant(base.task, moved(max(step + draw_beside_flip(rng), 1)))
+    raise ValueError("no entry changes the answer")
 
-        def moved(by: int, j: int = j, i: int = i, side: int = side, sign: int = sign) -> RefinedDesign:
-            table = [[list(pair) for pair in row] for row in b.design.table]
-            table[j][i][side] += sign * by
-            return replace(b.design, table=tuple(tuple((p, q) for p, q in row) for row in table))
 
-        last = b.design.segments - 1
-        around = range(max(j - 3, 0), min(j, last) + 1)
-        found = flip(lambda by, m=moved, a=around: first_inertia_fault(b.task, m(by), 0, a) is None, 20)  # type: ignore[misc]
-        if found is not None:
-            return b.task, moved(max(found + near(dice), 1))
-    raise ValueError("no entry turns it")
+def _with_moved_entry(design: RefinedDesign, index: tuple[int, int, int], sign: int, by: int) -> RefinedDesign:
+    """Return the design with one entry of its table moved by sign * by units."""
+    j, i, side = index
+    table = [[list(pair) for pair in row] for row in design.table]
+    table[j][i][side] += sign * by
+    return replace(design, table=tuple(tuple((lower, upper) for lower, upper in row) for row in table))
+
+
+def _is_safe_in_segments(task: Task, moved: Callable[[int], RefinedDesign], segments: range, by: int) -> bool:
+    """Whether the oracle finds no fault of order 2 in these segments once an entry has moved by so many units."""
+    return first_order_two_fault(task, moved(by), 0, segments) is None
+
+
+def _is_safe(mutant: Mutant) -> bool:
+    """Whether the oracle finds no fault of order 2."""
+    return first_order_two_fault(*mutant) is None
 
 
 # ------------------------------------------------------------------------------------------------ lambda and the time
 
 
-def with_filter(b: Base, i: int, wanted: Fraction) -> Mutant:
-    """lambda of a component as a number of the scalar."""
-    bits, whole = SCALARS[b.task.emit.scalar], max(wanted, Fraction(1, 1 << 20))
-    grain = Fraction(2) ** (whole.numerator.bit_length() - whole.denominator.bit_length() + 1 - bits)
-    return b.task, replace(b.design, filter=entry(b.design.filter, i, round(whole / grain) * grain))
+def with_lambda(base: BaseTube, i: int, wanted: Fraction) -> Mutant:
+    """Return the tube with lambda of a component, rounded to a number of the scalar."""
+    bits, positive = SIGNIFICANT_BITS[base.task.emit.scalar], max(wanted, SMALLEST_VALUE)
+    spacing = Fraction(2) ** (positive.numerator.bit_length() - positive.denominator.bit_length() + 1 - bits)
+    rounded = round(positive / spacing) * spacing
+    return Mutant(base.task, replace(base.design, filter=with_entry(base.design.filter, i, rounded)))
 
 
-def factor(dice: Random, most: int = 1) -> Fraction:
-    """1 but for 2^-24 to 2^most, up or down."""
-    by = Fraction(2) ** dice.randint(-24, most) * Fraction(dice.randint(8, 16), 16)
-    return 1 + by if dice.random() < 0.5 else 1 / (1 + by)
+def draw_factor(rng: Random, largest_power: int = 1) -> Fraction:
+    """Draw a factor that differs from 1 by 2^-24 to 2^largest_power, up or down."""
+    by = Fraction(2) ** rng.randint(-24, largest_power) * Fraction(rng.randint(8, 16), 16)
+    return 1 + by if rng.random() < 0.5 else 1 / (1 + by)
 
 
-def filter_changed(dice: Random, b: Base) -> Mutant:
-    i = dice.randrange(b.task.dimension)
-    return with_filter(b, i, b.design.filter[i] * factor(dice))
+def change_lambda(rng: Random, base: BaseTube) -> Mutant:
+    i = rng.randrange(base.task.dimension)
+    return with_lambda(base, i, base.design.filter[i] * draw_factor(rng))
 
 
-def filter_at_flip(dice: Random, b: Base) -> Mutant:
-    """lambda raised or lowered until the truth of order 2 turns."""
-    i, up = dice.randrange(b.task.dimension), dice.random() < 0.5
-    own, grain = b.design.filter[i], Fraction(1, 1 << 20)
-    step = (3 * own if up else -own) / (1 << 14)
-
-    def at(by: int) -> Mutant:
-        return with_filter(b, i, own + by * step)
-
-    found = flip(lambda by: first_inertia_fault(*at(by)) is None, 14)
-    if found is None:
-        raise ValueError("no lambda turns it")
-    low = at(found)[1].filter[i]  # finer, within one of these steps
-    fine = flip(lambda by: first_inertia_fault(*with_filter(b, i, low + by * step * grain)) is None, 20)
-    return with_filter(b, i, low + ((fine or 0) + near(dice)) * step * grain)
+def move_lambda_to_flip(rng: Random, base: BaseTube) -> Mutant:
+    """Raise or lower lambda of a component until the oracle of order 2 changes its answer: in 2^14 steps, then in finer ones."""
+    i, is_raised = rng.randrange(base.task.dimension), rng.random() < 0.5
+    original, fineness = base.design.filter[i], Fraction(1, 1 << 20)
+    step = (3 * original if is_raised else -original) / (1 << 14)
+    coarse = last_safe_step(lambda by: _is_safe(with_lambda(base, i, original + by * step)), 14)
+    if coarse is None:
+        raise ValueError("no lambda changes the answer")
+    low = with_lambda(base, i, original + coarse * step).design.filter[i]
+    fine = last_safe_step(lambda by: _is_safe(with_lambda(base, i, low + by * step * fineness)), 20)
+    return with_lambda(base, i, low + ((fine or 0) + draw_beside_flip(rng)) * step * fineness)
 
 
-def with_time(b: Base, t_c: Fraction) -> Mutant:
-    return b.task.model_copy(update={"prescribed_time": t_c}), replace(b.design, prescribed_time=t_c)
+def with_prescribed_time(base: BaseTube, t_c: Fraction) -> Mutant:
+    return Mutant(base.task.model_copy(update={"prescribed_time": t_c}), replace(base.design, prescribed_time=t_c))
 
 
-def time_changed(dice: Random, b: Base) -> Mutant:
-    """A slower or a faster task, with the same table."""
-    return with_time(b, short(b.task.prescribed_time * factor(dice)))
+def change_prescribed_time(rng: Random, base: BaseTube) -> Mutant:
+    """Make the task slower or faster, with the same table."""
+    return with_prescribed_time(base, floor_to_file(base.task.prescribed_time * draw_factor(rng)))
 
 
-def time_at_flip(dice: Random, b: Base) -> Mutant:
-    """As fast as it may be."""
-    t_c = b.task.prescribed_time
+def move_prescribed_time_to_flip(rng: Random, base: BaseTube) -> Mutant:
+    """Make the task faster until the oracle of order 2 changes its answer."""
+    t_c = base.task.prescribed_time
 
-    def at(by: int) -> Mutant:
-        return with_time(b, short(t_c * (1 - Fraction(by, 1 << 20) * Fraction(15, 16))))
+    def faster_by(steps: int) -> Mutant:
+        return with_prescribed_time(base, floor_to_file(t_c * (1 - Fraction(steps, 1 << 20) * Fraction(15, 16))))
 
-    found = flip(lambda by: first_inertia_fault(*at(by)) is None, 20)
-    if found is None:
-        raise ValueError("no time turns it")
-    return at(max(found + near(dice), 1))
-
-
-# ------------------------------------------------------------------------------------------------ what is claimed
+    steps = last_safe_step(lambda by: _is_safe(faster_by(by)), 20)
+    if steps is None:
+        raise ValueError("no time changes the answer")
+    return faster_by(max(steps + draw_beside_flip(rng), 1))
 
 
-def with_plant(b: Base, **change: Fraction) -> Mutant:
-    return b.task.model_copy(update={"plant": b.task.plant.model_copy(update=change)}), b.design
+# ------------------------------------------------------------------------------------------------ the claims
 
 
-def some_slack(dice: Random, b: Base) -> Fraction:
-    """Of table units, or of a part of the number."""
-    return dice.choice((slack(dice, b), Fraction(dice.choice((-1, 1)), 1 << dice.randint(1, 32))))
+def with_plant(base: BaseTube, **change: Fraction) -> Mutant:
+    return Mutant(base.task.model_copy(update={"plant": base.task.plant.model_copy(update=change)}), base.design)
 
 
-def speed_raised(dice: Random, b: Base) -> Mutant:
-    """The speed of starts as large as may be, to the last digit where it has finitely many."""
-    i = dice.randrange(b.task.dimension)
-    most = start_rooms(b.task, b.design)[i] - dice.choice((Fraction(0), some_slack(dice, b)))
-    exact = most.denominator & (most.denominator - 1) == 0 or most.denominator in (5**j << k for j in range(4) for k in range(60))
-    speed = entry(b.task.start_speed, i, most if exact else short(most) + Fraction(dice.choice((0, 1)), 1 << 32))
-    return b.task.model_copy(update={"initial_set": b.task.initial_set.model_copy(update={"speed": speed})}), b.design
+def with_start(base: BaseTube, **change: Any) -> Mutant:
+    return Mutant(base.task.model_copy(update={"initial_set": base.task.initial_set.model_copy(update=change)}), base.design)
 
 
-def share_raised(dice: Random, b: Base) -> Mutant:
-    """Starts nearer to the edges, as near as the speed lets them be."""
-    i = dice.randrange(b.task.dimension)
-    first, speed = piece(b.design, 0, i), b.task.start_speed[i]
-    low, high = (value(first.derived(p), Fraction(0)) for p in (first.lower, first.upper))
-    room = 2 * (speed - min(-low, high)) / (first.value * value(first.width, Fraction(0)))
-    share = short(1 - room) - some_slack(dice, b)
-    return b.task.model_copy(update={"initial_set": b.task.initial_set.model_copy(update={"share": share})}), b.design
+def draw_claim_slack(rng: Random, base: BaseTube) -> Fraction:
+    """Draw a slack of table units, or of a part of the number 1, of either sign."""
+    return rng.choice((draw_slack(rng, base), Fraction(rng.choice((-1, 1)), 1 << rng.randint(1, 32))))
 
 
-def _least_spare(b: Base, i: int) -> Fraction:
-    """What an input has to spare over all that pushes."""
-    found = spare_input(b.task)
-    if found is None:
+def raise_start_speed(rng: Random, base: BaseTube) -> Mutant:
+    """Raise the speed of starts to its limit, less a slack; to the last digit where the limit has finitely many."""
+    i = rng.randrange(base.task.dimension)
+    speed = largest_start_speeds(base.task, base.design)[i] - rng.choice((Fraction(0), draw_claim_slack(rng, base)))
+    divisor = speed.denominator
+    is_decimal = divisor & (divisor - 1) == 0 or divisor in (5**j << k for j in range(4) for k in range(60))
+    written = speed if is_decimal else floor_to_file(speed) + Fraction(rng.choice((0, 1)), 1 << 32)
+    return with_start(base, speed=with_entry(base.task.start_speed, i, written))
+
+
+def raise_start_share(rng: Random, base: BaseTube) -> Mutant:
+    """Let starts be nearer to the edges, up to where their speed takes z out of the filtered tube, less a slack."""
+    i = rng.randrange(base.task.dimension)
+    first, speed = spline_piece(base.design, 0, i), base.task.start_speed[i]
+    low, high = (evaluate(first.time_derivative(p), Fraction(0)) for p in (first.lower, first.upper))
+    excluded_share = 2 * (speed - min(-low, high)) / (first.lambda_ * evaluate(first.width, Fraction(0)))
+    return with_start(base, share=floor_to_file(1 - excluded_share) - draw_claim_slack(rng, base))
+
+
+def _acceleration_margin(base: BaseTube, i: int) -> Fraction:
+    """Return by how much the available acceleration exceeds the required one. Raises ValueError where u is not limited."""
+    available = available_accelerations(base.task)
+    if available is None:
         raise ValueError("u is not limited")
-    return found[i] - greatest(b.design, i)
+    return available[i] - largest_required_acceleration(base.design, i)
 
 
-def limit_lowered(dice: Random, b: Base) -> Mutant:
-    """u_max of one component as small as may be."""
-    i = dice.randrange(b.task.dimension)
-    least = _least_spare(b, i) / (b.task.plant.g_min or 1) + some_slack(dice, b)
-    limit = tuple(short(v - least) if k == i else v for k, v in enumerate(b.task.u_max or ()))
-    return b.task.model_copy(update={"control": b.task.control.model_copy(update={"u_max": limit})}), b.design
+def lower_input_limit(rng: Random, base: BaseTube) -> Mutant:
+    """Lower u_max of one component by its margin, more or less a slack."""
+    i = rng.randrange(base.task.dimension)
+    margin = _acceleration_margin(base, i) / (base.task.plant.g_min or 1) + draw_claim_slack(rng, base)
+    u_max = tuple(floor_to_file(v - margin) if k == i else v for k, v in enumerate(base.task.u_max or ()))
+    return Mutant(base.task.model_copy(update={"control": base.task.control.model_copy(update={"u_max": u_max})}), base.design)
 
 
-def plant_harder(dice: Random, b: Base) -> Mutant:
-    """One bound of the plant as hard as may be."""
-    i = dice.randrange(b.task.dimension)
-    least, plant = _least_spare(b, i) - some_slack(dice, b), b.task.plant
-    limits = b.task.u_max or ()
-    name = dice.choice(("f_max", "w_max", "g_min", "g_cross"))
+def worsen_plant(rng: Random, base: BaseTube) -> Mutant:
+    """Worsen one bound of the plant by the margin of a component, more or less a slack."""
+    i = rng.randrange(base.task.dimension)
+    margin, plant = _acceleration_margin(base, i) - draw_claim_slack(rng, base), base.task.plant
+    limits = base.task.u_max or ()
+    name = rng.choice(("f_max", "w_max", "g_min", "g_cross"))
     if name == "g_min":
-        return with_plant(b, g_min=short((plant.g_min or Fraction(1)) - least / limits[i]))
-    others = sum(limits) - limits[i] if name == "g_cross" else Fraction(1)
-    return with_plant(b, **{name: short((getattr(plant, name) or Fraction(0)) + least / others)})
+        return with_plant(base, g_min=floor_to_file((plant.g_min or Fraction(1)) - margin / limits[i]))
+    multiplier = sum(limits) - limits[i] if name == "g_cross" else Fraction(1)  # what the bound multiplies in P8
+    return with_plant(base, **{name: floor_to_file((getattr(plant, name) or Fraction(0)) + margin / multiplier)})
 
 
-INERTIAL: dict[str, Callable[[Random, Base], Mutant]] = {
-    "one unit": bent(unit_moved),
-    "one coefficient": bent(partial(bend, most=1)),
-    "several coefficients": bent(partial(bend, most=8)),
-    "coefficient at the flip": coefficient_at_flip,
-    "entries swapped": bent(swap),
-    "row shifted": bent(shift),
-    "row repeated": bent(repeat),
-    "not at rest at the end": bent(partial(stop, all_three=False)),
-    "end moved": bent(partial(stop, all_three=True)),
-    "start turned": bent(start_turned),
-    "lambda": filter_changed,
-    "lambda at the flip": filter_at_flip,
-    "prescribed time": time_changed,
-    "time at the flip": time_at_flip,
-    "speed of the starts": speed_raised,
-    "share of the starts": share_raised,
-    "input limit": limit_lowered,
-    "plant": plant_harder,
+ORDER_TWO_MUTATIONS: dict[str, Mutation] = {
+    "one unit": table_mutation(change_by_few_units),
+    "one coefficient": table_mutation(partial(change_entries, count_at_most=1)),
+    "several coefficients": table_mutation(partial(change_entries, count_at_most=8)),
+    "coefficient at the flip": move_coefficient_to_flip,
+    "entries swapped": table_mutation(swap_entries),
+    "row shifted": table_mutation(shift_row),
+    "row repeated": table_mutation(repeat_row),
+    "not at rest at the end": table_mutation(partial(move_last_rows, all_three=False)),
+    "end moved": table_mutation(partial(move_last_rows, all_three=True)),
+    "start turned": table_mutation(turn_start),
+    "lambda": change_lambda,
+    "lambda at the flip": move_lambda_to_flip,
+    "prescribed time": change_prescribed_time,
+    "time at the flip": move_prescribed_time_to_flip,
+    "speed of the starts": raise_start_speed,
+    "share of the starts": raise_start_share,
+    "input limit": lower_input_limit,
+    "plant": worsen_plant,
 }
-NEEDS = {"share of the starts": "moving", "speed of the starts": "moving", "input limit": "limited", "plant": "limited"}
+# What a base must claim for a mutation.
+NEEDED_CLAIMS = {
+    "share of the starts": "moving",
+    "speed of the starts": "moving",
+    "input limit": "limited",
+    "plant": "limited",
+}
 
 
-def draw_inertial(
-    dice: Random, names: Sequence[str] = NAMES, kinds: Sequence[str] = tuple(INERTIAL)
-) -> tuple[str, str, Base, Mutant]:
-    """A kind, the base's name, the base, and a mutant that is well formed."""
-    kind = dice.choice(list(kinds))
+def draw_order_two_mutant(
+    rng: Random, names: Sequence[str] = BASE_NAMES, kinds: Sequence[str] = tuple(ORDER_TWO_MUTATIONS)
+) -> DrawnMutant:
+    """Draw a mutation of these kinds, a base of these names, and a mutant that a task file can state."""
+    kind = rng.choice(list(kinds))
     for _ in range(1000):
-        name, scalar = dice.choice(names), dice.choice(("float", "double"))
-        way = dice.choice([w for w in WAYS if NEEDS.get(kind, "") in w])
-        b = inertial_base(name, scalar, way)
+        name, scalar = rng.choice(names), rng.choice(("float", "double"))
+        claims = rng.choice([c for c in CLAIMS if NEEDED_CLAIMS.get(kind, "") in c])
+        base = order_two_base(name, scalar, claims)
         with contextlib.suppress(ValueError, IndexError):
-            if b is not None and possible(mutant := INERTIAL[kind](dice, b)):
-                return kind, f"{name}, {scalar}, {way}", b, mutant
+            if base is not None and can_be_stated(mutant := ORDER_TWO_MUTATIONS[kind](rng, base)):
+                return DrawnMutant(kind, f"{name}, {scalar}, {claims}", base, mutant)
     raise RuntimeError(f"no mutant of the kind {kind!r} from {', '.join(names)}")
 
 
-def possible(mutant: Mutant) -> bool:
-    """Whether a task file can say it."""
+def can_be_stated(mutant: Mutant) -> bool:
+    """Whether a task file may say this: numbers above 0, bounds not below 0, a start share below 1."""
     task, design = mutant
-    plant, first = task.plant, task.initial_set
-    positive = (*design.filter, task.prescribed_time, least(plant.g_min), *(task.u_max or ()), first.share)
+    plant, start = task.plant, task.initial_set
+    g_min = Fraction(1) if plant.g_min is None else plant.g_min
+    positive = (*design.filter, task.prescribed_time, g_min, *(task.u_max or ()), start.share)
     not_negative = (*task.start_speed, *(v for v in plant.bounds.values() if v is not None))
-    return well_formed(task) and min(positive) > 0 and min(not_negative) >= 0 and first.share < 1
-
-
-def least(given: Fraction | None) -> Fraction:
-    return Fraction(1) if given is None else given
+    return is_well_formed(task) and min(positive) > 0 and min(not_negative) >= 0 and start.share < 1

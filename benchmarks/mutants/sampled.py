@@ -1,4 +1,8 @@
-"""Mutants of P9 for `mutations.py --inertia`: held loops of order 2 that are certified, and one number of theirs changed."""
+"""Mutants of P9 for `mutations.py --inertia`: certified loops of order 2 with held inputs, and one number of theirs changed.
+
+Bases are tasks and arenas as plants of order 2 with a random period, plant and start share. `draw_sampled_mutant` draws a
+mutation, a base and the mutant. The order of random draws is part of the benchmark.
+"""
 
 from __future__ import annotations
 
@@ -10,24 +14,32 @@ from functools import cache, partial
 from random import Random
 from typing import Any
 
-from benchmarks.mutants.order_two import OWN, PUSH, factor, start_rooms, tube_of
-from benchmarks.mutants.tubes import Mutant, entry, short
-from benchmarks.oracles.order_two import greatest
+from benchmarks.mutants.order_two import (
+    DISTURBANCE,
+    SMALLEST_VALUE,
+    TASK_NAMES,
+    draw_factor,
+    largest_start_speeds,
+    order_two_design,
+)
+from benchmarks.mutants.tubes import Mutant, floor_to_file, with_entry
+from benchmarks.oracles.order_two import largest_required_acceleration
 from stt_codegen.certify.certificate import PeriodProof
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_program, build_task, certify
 from stt_codegen.task.task import Task
 
-NAMES = (*OWN, *(f"paper {seed}" for seed in range(6)))
-WAYS = ("limited", "limited, noise", "limited, moving", "free")
-PERIODS = tuple(Fraction(1, k) for k in (50, 100, 200, 400))
-DIGITS = 10**12
+BASE_NAMES = (*TASK_NAMES, *(f"paper {seed}" for seed in range(6)))
+CLAIMS = ("limited", "limited, noise", "limited, moving", "free")
+PERIODS = tuple(Fraction(1, k) for k in (50, 100, 200, 400))  # seconds
+DECIMALS = 10**12  # a number of a task file is a multiple of 1 / DECIMALS
 
 
 @dataclass(frozen=True)
-class Held:
-    """A certified loop; longest: what the tool says it proves with this gain, seconds."""
+class BaseLoop:
+    """A certified loop that mutations start from. longest: what the tool says it proves with this gain, period and latency
+    together, in seconds."""
 
     task: Task
     design: RefinedDesign
@@ -35,42 +47,54 @@ class Held:
     longest: Fraction
 
 
+@dataclass(frozen=True)
+class DrawnLoopMutant:
+    """A mutant, the name of its mutation, and the loop that it was made from, with a name."""
+
+    kind: str
+    base_name: str
+    base: BaseLoop
+    mutant: Mutant
+
+
 @cache
-def held_base(name: str, way: str) -> Held | None:
-    found = tube_of(name, "float")
-    if found is None:
+def base_loop(name: str, claims: str) -> BaseLoop | None:
+    """Return a certified loop with random claims of a kind of CLAIMS, its period stretched towards the longest proved one; None
+    where none of PERIODS is proved."""
+    designed = order_two_design(name, "float")
+    if designed is None:
         return None
-    (task, design), dice = found, Random(f"{name} {way}")
-    plant: dict[str, Any] = {"w_max": PUSH, "f_max": Fraction(dice.choice((0, 1)), 20)}
+    (task, design), rng = designed, Random(f"{name} {claims}")
+    plant: dict[str, Any] = {"w_max": DISTURBANCE, "f_max": Fraction(rng.choice((0, 1)), 20)}
     control: dict[str, Any] = {}
-    if "limited" in way:
-        plant |= {"g_min": Fraction(dice.choice((9, 10)), 10), "g_max": Fraction(dice.choice((10, 11)), 10)}
-        most = max(greatest(design, i) for i in range(design.dimension))
-        control["u_max"] = short((most + PUSH + plant["f_max"]) / plant["g_min"] * Fraction(dice.choice((110, 130, 200)), 100))
-    if "noise" in way:
-        plant |= {"noise": Fraction(1, 1000), "noise_v": Fraction(dice.choice((0, 5)), 1000)}
-        control["latency"] = Fraction(dice.choice((0, 2)), 1000)
-    share = Fraction(dice.choice((50, 80, 90)), 100)
-    first: dict[str, Any] = {"share": share}
-    if "moving" in way:
-        rooms = start_rooms(task.changed(initial_set=first), design)
-        first["speed"] = tuple(max(short(v / dice.choice((2, 5))), Fraction(1, 1 << 20)) for v in rooms)
-    task = task.changed(initial_set=first)
+    if "limited" in claims:
+        plant |= {"g_min": Fraction(rng.choice((9, 10)), 10), "g_max": Fraction(rng.choice((10, 11)), 10)}
+        required = max(largest_required_acceleration(design, i) for i in range(design.dimension))
+        needed_input = (required + DISTURBANCE + plant["f_max"]) / plant["g_min"]
+        control["u_max"] = floor_to_file(needed_input * Fraction(rng.choice((110, 130, 200)), 100))
+    if "noise" in claims:
+        plant |= {"noise": Fraction(1, 1000), "noise_v": Fraction(rng.choice((0, 5)), 1000)}
+        control["latency"] = Fraction(rng.choice((0, 2)), 1000)
+    start: dict[str, Any] = {"share": Fraction(rng.choice((50, 80, 90)), 100)}
+    if "moving" in claims:
+        largest = largest_start_speeds(task.changed(initial_set=start), design)
+        start["speed"] = tuple(max(floor_to_file(v / rng.choice((2, 5))), SMALLEST_VALUE) for v in largest)
+    task = task.changed(initial_set=start)
     for period in PERIODS:
         with contextlib.suppress(NotCertified):
-            c = build_task(task.changed(plant=plant, control={**control, "period": period}), tube=design)
-            latency = c.task.control.latency
-            longest = period + latency + max(c.certificate.findings[-1].margin, Fraction(0))
-            stretched = decimal(longest * Fraction(dice.choice((50, 90, 99)), 100) - latency)
-            task = with_control(c.task, period=stretched if stretched > 0 else period)
+            controller = build_task(task.changed(plant=plant, control={**control, "period": period}), tube=design)
+            latency = controller.task.control.latency
+            longest = period + latency + max(controller.certificate.findings[-1].margin, Fraction(0))
+            stretched = round_to_decimals(longest * Fraction(rng.choice((50, 90, 99)), 100) - latency)
+            task = with_control(controller.task, period=stretched if stretched > 0 else period)
             proof = certify(task, design, build_program(task, design)).proved_period
-            return Held(task, design, proof, longest) if proof is not None else None
+            return BaseLoop(task, design, proof, longest) if proof is not None else None
     return None
 
 
-def decimal(value: Fraction) -> Fraction:
-    """Rounded to what a task file says in few digits."""
-    return Fraction(round(value * DIGITS), DIGITS)
+def round_to_decimals(value: Fraction) -> Fraction:
+    """Round to a multiple of 1 / DECIMALS, which a task file states in few digits."""
+    return Fraction(round(value * DECIMALS), DECIMALS)
 
 
 def with_control(task: Task, **change: Any) -> Task:
@@ -88,102 +112,113 @@ def with_start(task: Task, **change: Any) -> Task:
 # ------------------------------------------------------------------------------------------------ the mutations
 
 
-def harder(dice: Random, most: int) -> Fraction:
-    """Above 1 by 2^-20 to 2^most."""
-    power = dice.choice((dice.randint(-20, most), dice.randint(-2, most), most))
-    return 1 + Fraction(2) ** power * Fraction(dice.randint(8, 16), 16)
+def draw_factor_above_one(rng: Random, largest_power: int) -> Fraction:
+    """Draw a factor above 1 by 2^-20 to 2^largest_power."""
+    power = rng.choice((rng.randint(-20, largest_power), rng.randint(-2, largest_power), largest_power))
+    return 1 + Fraction(2) ** power * Fraction(rng.randint(8, 16), 16)
 
 
-def period(dice: Random, b: Held) -> Task:
-    return with_control(b.task, period=decimal(b.task.sampling_period * harder(dice, 2)))
+def lengthen_period(rng: Random, base: BaseLoop) -> Task:
+    return with_control(base.task, period=round_to_decimals(base.task.sampling_period * draw_factor_above_one(rng, 2)))
 
 
-def period_at_longest(dice: Random, b: Held) -> Task:
-    """Where the tool's proof ends, and a little on both sides."""
-    whole = b.longest * (1 + dice.choice((-1, 1)) * Fraction(1, 1 << dice.randint(2, 24)))
-    return with_control(b.task, period=max(decimal(whole - b.task.control.latency), Fraction(1, DIGITS)))
+def set_period_near_longest(rng: Random, base: BaseLoop) -> Task:
+    """Put the period a little above or below the longest that the tool proves."""
+    near_longest = base.longest * (1 + rng.choice((-1, 1)) * Fraction(1, 1 << rng.randint(2, 24)))
+    period = max(round_to_decimals(near_longest - base.task.control.latency), Fraction(1, DECIMALS))
+    return with_control(base.task, period=period)
 
 
-def gain(dice: Random, b: Held) -> Task:
-    by, i = factor(dice, 3), dice.randrange(b.task.dimension + 1)
-    changed = [v * by if i in (k, b.task.dimension) else v for k, v in enumerate(b.task.gain)]
-    return with_control(b.task, gain=tuple(decimal(v) for v in changed))
+def change_gain(rng: Random, base: BaseLoop) -> Task:
+    """Multiply the gain of one component, or of all."""
+    factor, i = draw_factor(rng, 3), rng.randrange(base.task.dimension + 1)
+    gain = [v * factor if i in (k, base.task.dimension) else v for k, v in enumerate(base.task.gain)]
+    return with_control(base.task, gain=tuple(round_to_decimals(v) for v in gain))
 
 
-def latency(dice: Random, b: Held) -> Task:
-    return with_control(b.task, latency=decimal(b.task.control.latency + b.task.sampling_period * (harder(dice, 1) - 1)))
+def lengthen_latency(rng: Random, base: BaseLoop) -> Task:
+    more = base.task.sampling_period * (draw_factor_above_one(rng, 1) - 1)
+    return with_control(base.task, latency=round_to_decimals(base.task.control.latency + more))
 
 
-def noise(dice: Random, b: Held) -> Task:
-    name = dice.choice(("noise", "noise_v"))
-    least = Fraction(1, 200)
-    return with_plant(b.task, **{name: decimal((getattr(b.task.plant, name) or 0) + least * (harder(dice, 5) - 1))})
+def raise_noise(rng: Random, base: BaseLoop) -> Task:
+    name = rng.choice(("noise", "noise_v"))
+    more = Fraction(1, 200) * (draw_factor_above_one(rng, 5) - 1)
+    return with_plant(base.task, **{name: round_to_decimals((getattr(base.task.plant, name) or 0) + more)})
 
 
-def e_max(dice: Random, b: Held) -> Task:
-    """The clamp lower, which weakens the law, or higher."""
-    by = Fraction(2) ** dice.randint(-12, -1)
-    i = dice.randrange(b.task.dimension)
-    own = b.task.e_max[i]
-    value = own * (1 - by) if dice.random() < 0.7 else 1 - (1 - own) * (1 - by)
-    return with_control(b.task, e_max=entry(b.task.e_max, i, decimal(value)))
+def change_e_max(rng: Random, base: BaseLoop) -> Task:
+    """Lower e_max of one component, which weakens the law, or raise it."""
+    by = Fraction(2) ** rng.randint(-12, -1)
+    i = rng.randrange(base.task.dimension)
+    e_max = base.task.e_max[i]
+    changed = e_max * (1 - by) if rng.random() < 0.7 else 1 - (1 - e_max) * (1 - by)
+    return with_control(base.task, e_max=with_entry(base.task.e_max, i, round_to_decimals(changed)))
 
 
-def share(dice: Random, b: Held) -> Task:
-    own = b.task.initial_set.share
-    return with_start(b.task, share=decimal(1 - (1 - own) * (1 - Fraction(2) ** dice.randint(-16, -1))))
+def raise_start_share(rng: Random, base: BaseLoop) -> Task:
+    excluded = 1 - base.task.initial_set.share
+    return with_start(base.task, share=round_to_decimals(1 - excluded * (1 - Fraction(2) ** rng.randint(-16, -1))))
 
 
-def speed(dice: Random, b: Held) -> Task:
-    i = dice.randrange(b.task.dimension)
-    room = max(start_rooms(b.task, b.design)[i], Fraction(1, 1000))
-    by = dice.choice((Fraction(dice.randint(1, 16), 16), 1 + dice.choice((-1, 1)) * Fraction(1, 1 << dice.randint(4, 20))))
-    return with_start(b.task, speed=entry(b.task.start_speed, i, decimal(room * by)))
+def set_start_speed(rng: Random, base: BaseLoop) -> Task:
+    """Set the speed of starts on one axis to a part of the largest possible one, or close to it."""
+    i = rng.randrange(base.task.dimension)
+    largest = max(largest_start_speeds(base.task, base.design)[i], Fraction(1, 1000))
+    factor = rng.choice((Fraction(rng.randint(1, 16), 16), 1 + rng.choice((-1, 1)) * Fraction(1, 1 << rng.randint(4, 20))))
+    return with_start(base.task, speed=with_entry(base.task.start_speed, i, round_to_decimals(largest * factor)))
 
 
-def limit(dice: Random, b: Held) -> Task:
-    """u_max of one component lower; one where there was none."""
-    i, needed = dice.randrange(b.task.dimension), greatest(b.design, 0) + PUSH
-    given = b.task.u_max or (2 * needed,) * b.task.dimension
-    return with_control(b.task, u_max=tuple(map(decimal, entry(given, i, given[i] / harder(dice, 0)))))
+def lower_input_limit(rng: Random, base: BaseLoop) -> Task:
+    """Lower u_max of one component; where u is free, limit it first."""
+    i, needed_input = rng.randrange(base.task.dimension), largest_required_acceleration(base.design, 0) + DISTURBANCE
+    u_max = base.task.u_max or (2 * needed_input,) * base.task.dimension
+    lowered = with_entry(u_max, i, u_max[i] / draw_factor_above_one(rng, 0))
+    return with_control(base.task, u_max=tuple(map(round_to_decimals, lowered)))
 
 
-def plant(dice: Random, b: Held, names: Sequence[str]) -> Task:
-    """One of its bounds harder."""
-    name, by = dice.choice(names), harder(dice, 1)
+def worsen_plant(rng: Random, base: BaseLoop, names: Sequence[str]) -> Task:
+    """Worsen one of these bounds of the plant."""
+    name, factor = rng.choice(names), draw_factor_above_one(rng, 1)
+    plant, bounds = base.task.plant, base.task.plant_bounds
     if name == "g_min":
-        return with_plant(b.task, g_min=decimal(min(v.g_min for v in b.task.plant_bounds) / by))
-    if name == "g_max":
-        return with_plant(b.task, g_max=decimal(max(v.g_max for v in b.task.plant_bounds) * by))
-    if name == "g_cross":
-        return with_plant(b.task, g_cross=decimal((b.task.plant.g_cross or 0) + (by - 1) / 4))
-    return with_plant(b.task, **{name: decimal((getattr(b.task.plant, name) or Fraction(0)) + PUSH * (by - 1))})
+        value = min(v.g_min for v in bounds) / factor
+    elif name == "g_max":
+        value = max(v.g_max for v in bounds) * factor
+    elif name == "g_cross":
+        value = (plant.g_cross or 0) + (factor - 1) / 4
+    else:
+        value = (getattr(plant, name) or Fraction(0)) + DISTURBANCE * (factor - 1)
+    return with_plant(base.task, **{name: round_to_decimals(value)})
 
 
-HELD: dict[str, Callable[[Random, Held], Task]] = {
-    "held: period": period,
-    "held: period at its longest": period_at_longest,
-    "held: gain": gain,
-    "held: latency": latency,
-    "held: noise": noise,
-    "held: e_max": e_max,
-    "held: share": share,
-    "held: speed of the starts": speed,
-    "held: input limit": limit,
-    "held: push": partial(plant, names=("f_max", "w_max")),
-    "held: g": partial(plant, names=("g_min", "g_max", "g_cross")),
+SAMPLED_MUTATIONS: dict[str, Callable[[Random, BaseLoop], Task]] = {
+    "held: period": lengthen_period,
+    "held: period at its longest": set_period_near_longest,
+    "held: gain": change_gain,
+    "held: latency": lengthen_latency,
+    "held: noise": raise_noise,
+    "held: e_max": change_e_max,
+    "held: share": raise_start_share,
+    "held: speed of the starts": set_start_speed,
+    "held: input limit": lower_input_limit,
+    "held: push": partial(worsen_plant, names=("f_max", "w_max")),
+    "held: g": partial(worsen_plant, names=("g_min", "g_max", "g_cross")),
 }
 
 
-def draw_held(dice: Random, names: Sequence[str] = NAMES, kinds: Sequence[str] = tuple(HELD)) -> tuple[str, str, Held, Mutant]:
-    """A kind, the base's name, the base, and a mutant."""
-    kind = dice.choice(list(kinds))
+def draw_sampled_mutant(
+    rng: Random, names: Sequence[str] = BASE_NAMES, kinds: Sequence[str] = tuple(SAMPLED_MUTATIONS)
+) -> DrawnLoopMutant:
+    """Draw a mutation of these kinds, a base of these names, and a mutant that a task file can state. Limited inputs are drawn
+    more often than free ones."""
+    kind = rng.choice(list(kinds))
     for _ in range(1000):
-        name, way = dice.choice(names), dice.choice((*WAYS[:3], *WAYS))
-        b = held_base(name, way)
-        if b is None:
+        name, claims = rng.choice(names), rng.choice((*CLAIMS[:3], *CLAIMS))
+        base = base_loop(name, claims)
+        if base is None:
             continue
-        task = HELD[kind](dice, b)
+        task = SAMPLED_MUTATIONS[kind](rng, base)
         if max(*task.e_max, task.initial_set.share) < 1 and min(*task.gain, *task.e_max, task.sampling_period) > 0:
-            return kind, f"{name}, {way}", b, (task, b.design)
+            return DrawnLoopMutant(kind, f"{name}, {claims}", base, Mutant(task, base.design))
     raise RuntimeError(f"no mutant of the kind {kind!r} from {', '.join(names)}")

@@ -1,7 +1,9 @@
-"""Mutants for `mutations.py`: certified tubes bent, or their tasks made harder, from a generator of random numbers.
+"""Mutants for `mutations.py`: certified tubes with a changed table, or their tasks made harder, by one random change each.
 
-A mutation draws where and how much. Tables are bent by 1 to 2^20 units, every magnitude alike. Demands of the task (sets,
-unsafe sets, clearance, ...) are put where the tube has its exact extreme, less a slack that is often nothing or one unit.
+A mutation draws where it changes something and by how much. Entries of tables change by 1 to 2^20 units, every magnitude alike.
+A demand of the task (a set, an unsafe set, the clearance, ..) is put where the tube has its exact extreme, less a slack that is
+often nothing or one unit. `draw_mutant` draws a mutation, a tube to start from, and the mutant. A mutant depends on the state of
+the random generator only, so the order of draws is part of the benchmark.
 """
 
 from __future__ import annotations
@@ -16,12 +18,13 @@ from fractions import Fraction
 from functools import cache, partial
 from pathlib import Path
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from benchmarks.fixed import limited
-from benchmarks.oracles.tubes import deepest, derivative, signed_edges, signed_faces
+from benchmarks.oracles.cubics import smallest_value
+from benchmarks.oracles.tubes import derivative, signed_edges, signed_faces
 from benchmarks.suites.families import FAMILIES, arena_task
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.designs.tube import LOWER, UPPER
@@ -32,444 +35,561 @@ from stt_codegen.task.sets.shapes import Target, UnsafeBall, UnsafeCapsule, Unsa
 from stt_codegen.task.task import Task
 
 TASKS = Path(__file__).parents[2] / "tasks"
-ARENAS = {"paper": 12, "dense12": 4, "space3": 1}
-SHAPES = {"discs": 6, "balls": 2, "polygons": 4, "solids": 1}
-# omni_board is omni_s2 with ticks; tasks of order 2 have mutants of their own, what limits u adds P8
-# (tests/certify/test_limits.py), and missions add P10 (mission_mutants.py)
+BOX_ARENA_COUNTS = {"paper": 12, "dense12": 4, "space3": 1}
+SHAPE_ARENA_COUNTS = {"discs": 6, "balls": 2, "polygons": 4, "solids": 1}
+# omni_board is omni_s2 with ticks. Tasks of order 2 have mutants in order_two.py, a limit of u adds P8
+# (tests/certify/test_limits.py), and missions add P10 (mission_mutants.py).
 EXAMPLES = sorted(
     p.stem
     for p in TASKS.glob("*.toml")
     if p.stem != "omni_board" and not re.search(r"^(order = 2|u_max =|\[\[mission)", p.read_text(), re.M)
 )
-BASES = (*EXAMPLES, *(f"{name} {seed}" for name, n in ARENAS.items() for seed in range(n)))
-SHAPED = (*BASES, *(f"{name} {seed}" for name, n in SHAPES.items() for seed in range(n)))
+BOX_BASE_NAMES = (*EXAMPLES, *(f"{name} {seed}" for name, n in BOX_ARENA_COUNTS.items() for seed in range(n)))
+ALL_BASE_NAMES = (*BOX_BASE_NAMES, *(f"{name} {seed}" for name, n in SHAPE_ARENA_COUNTS.items() for seed in range(n)))
 
-SIZES = (1, 1, *map(Fraction, ("1.003", "1.006", "1.05")))  # of a ball, beside the one that the tube's end just fits in
+# Radii of target balls, as multiples of the smallest ball that holds the tube's end.
+RADIUS_FACTORS = (1, 1, *map(Fraction, ("1.003", "1.006", "1.05")))
 
-Mutant = tuple[Task, RefinedDesign]
-Sides = Sequence[tuple[int, int]]  # (dimension, LOWER or UPPER)
+Edge = tuple[int, int]  # dimension, and LOWER or UPPER
 
 
-@dataclass(frozen=True)
-class Base:
-    """A certified tube to start from, and its margins by property."""
+class Mutant(NamedTuple):
+    """A task and a design that may be unsafe for it."""
 
     task: Task
     design: RefinedDesign
-    margin: dict[str, Fraction]
+
+
+@dataclass(frozen=True)
+class BaseTube:
+    """A certified tube that mutations start from, and its margins by the code of a property."""
+
+    task: Task
+    design: RefinedDesign
+    margins: dict[str, Fraction]
 
     @property
     def body(self) -> tuple[Fraction, ...]:
+        """Half the body's size by axis; 0 for a point."""
         return self.task.body or (Fraction(0),) * self.task.dimension
 
 
+Mutation = Callable[[Random, BaseTube], Mutant]
+
+
+@dataclass(frozen=True)
+class DrawnMutant:
+    """A mutant, the name of its mutation, and the tube that it was made from, with a name."""
+
+    kind: str
+    base_name: str
+    base: BaseTube
+    mutant: Mutant
+
+
 @cache
-def base(name: str, scalar: str) -> Base | None:
-    """The tube of a task or arena by name; None where there is none."""
+def base_tube(name: str, scalar: str) -> BaseTube | None:
+    """Return the certified tube of a task ("omni_s1") or an arena ("paper 3"); None where no tube is certified."""
     family, _, seed = name.partition(" ")
     task = arena_task(FAMILIES[family], int(seed)) if seed else load_task(TASKS / f"{name}.toml")
-    if scalar == "fixed":  # which needs a limit of u, and a tick
+    if scalar == "fixed":  # a controller in integers needs a limit of u, and a tick
         task = limited(task)
     try:
-        c = build_task(task.with_options("refined", scalar))
+        controller = build_task(task.with_options("refined", scalar))
     except NotCertified:
         return None
-    assert isinstance(c.design, RefinedDesign)
-    margin = {f.code: f.margin for f in c.certificate.findings}
-    return Base(c.task, c.design, margin)
+    assert isinstance(controller.design, RefinedDesign)
+    margins = {finding.code: finding.margin for finding in controller.certificate.findings}
+    return BaseTube(controller.task, controller.design, margins)
 
 
 # ------------------------------------------------------------------------------------------------ drawing
 
 
-def amount(dice: Random, top: int) -> int:
-    """1 to 2^top, every magnitude alike, up or down."""
-    return dice.choice((-1, 1)) * round(2 ** dice.uniform(0, top))
+def draw_change(rng: Random, bits: int) -> int:
+    """Draw a whole number of 1 to 2^bits, every magnitude alike, with either sign."""
+    return rng.choice((-1, 1)) * round(2 ** rng.uniform(0, bits))
 
 
-def slack(dice: Random, b: Base) -> Fraction:
-    """What a mutation leaves or, negative, takes too much: often nothing at all or one table unit, sometimes a part of one."""
-    units = dice.choice((0, dice.choice((-1, 1)), *[amount(dice, 10)] * 5))
-    return units * b.design.unit / dice.choice((1, 1, 1, 256))
+def draw_slack(rng: Random, base: BaseTube) -> Fraction:
+    """Draw what a mutation leaves or, if negative, takes too much: often nothing or one table unit, sometimes a part of a
+    unit."""
+    units = rng.choice((0, rng.choice((-1, 1)), *[draw_change(rng, 10)] * 5))
+    return units * base.design.unit / rng.choice((1, 1, 1, 256))
 
 
-def short(value: Fraction) -> Fraction:
-    """Rounded down to what a task file can say exactly; multiples of a table unit over 512 stay."""
+def draw_edge(rng: Random, base: BaseTube) -> Edge:
+    return rng.randrange(base.task.dimension), rng.choice((LOWER, UPPER))
+
+
+def draw_entry(rng: Random, table: Any) -> tuple[int, int, int]:
+    """Draw the index of a table's entry: row, dimension, side."""
+    return rng.randrange(len(table)), rng.randrange(table.shape[1]), rng.randrange(2)
+
+
+def floor_to_file(value: Fraction) -> Fraction:
+    """Round down to a multiple of 2^-32, which a task file can state exactly; multiples of a table unit over 512 stay."""
     return Fraction(math.floor(value * (1 << 32)), 1 << 32)
 
 
-def any_side(dice: Random, b: Base) -> tuple[int, int]:
-    return dice.randrange(b.task.dimension), dice.choice((LOWER, UPPER))
-
-
-def entry(values: Sequence[Fraction], i: int, value: Fraction) -> tuple[Fraction, ...]:
+def with_entry(values: Sequence[Fraction], i: int, value: Fraction) -> tuple[Fraction, ...]:
+    """Return the values with another one at index i."""
     return (*values[:i], value, *values[i + 1 :])
 
 
 def with_face(box: Any, i: int, side: int, face: Fraction) -> Any:
-    """A box with another face, as in `signed_faces`."""
+    """Return a box with another face, whose sign is that of `signed_faces`."""
     key, value = ("lower", face) if side == LOWER else ("upper", -face)
-    return box.model_copy(update={key: entry(getattr(box, key), i, value)})
+    return box.model_copy(update={key: with_entry(getattr(box, key), i, value)})
 
 
-def with_task(b: Base, **change: Any) -> Mutant:
-    return b.task.model_copy(update=change), b.design
+def with_task(base: BaseTube, **change: Any) -> Mutant:
+    """Return the base's tube for a changed task."""
+    return Mutant(base.task.model_copy(update=change), base.design)
 
 
-def with_tube(b: Base, **change: Fraction) -> Mutant:
-    return with_task(b, tube=b.task.tube.model_copy(update=change))
+def with_demand(base: BaseTube, **change: Any) -> Mutant:
+    """Return the base's tube for a task whose table `tube` is changed."""
+    return with_task(base, tube=base.task.tube.model_copy(update=change))
 
 
-# ------------------------------------------------------------------------------------------------ bent tubes
+def with_obstacle(base: BaseTube, obstacle: Any) -> Mutant:
+    """Return the base's tube for a task with one more unsafe set."""
+    return with_task(base, unsafe=(*base.task.unsafe, obstacle))
 
 
-def bent(change: Callable[[Random, Any], None]) -> Callable[[Random, Base], Mutant]:
-    """A mutation from what is done to the table, an object array of shape (K + 3, n, 2)."""
+# ------------------------------------------------------------------------------------------------ changed tables
 
-    def mutate(dice: Random, b: Base) -> Mutant:
-        table = np.array(b.design.table, dtype=object)
-        change(dice, table)
-        return b.task, replace(b.design, table=tuple(tuple((int(v), int(w)) for v, w in row) for row in table))
+
+def table_mutation(change: Callable[[Random, Any], None]) -> Mutation:
+    """Return a mutation that changes the table, an object array of shape (K + 3, n, 2), in place."""
+
+    def mutate(rng: Random, base: BaseTube) -> Mutant:
+        table = np.array(base.design.table, dtype=object)
+        change(rng, table)
+        rows = tuple(tuple((int(lower), int(upper)) for lower, upper in row) for row in table)
+        return Mutant(base.task, replace(base.design, table=rows))
 
     return mutate
 
 
-def somewhere(dice: Random, table: Any) -> tuple[int, int, int]:
-    return dice.randrange(len(table)), dice.randrange(table.shape[1]), dice.randrange(2)
+def change_entries(rng: Random, table: Any, count_at_most: int) -> None:
+    for _ in range(rng.randint(1, count_at_most)):
+        table[draw_entry(rng, table)] += draw_change(rng, rng.choice((5, 20)))
 
 
-def bend(dice: Random, table: Any, most: int) -> None:
-    for _ in range(dice.randint(1, most)):
-        table[somewhere(dice, table)] += amount(dice, dice.choice((5, 20)))
+def swap_entries(rng: Random, table: Any) -> None:
+    """Swap two entries of one dimension, at most two rows apart, of one edge or of both."""
+    j, i, side = draw_entry(rng, table)
+    second = min(j + rng.randint(0, 2), len(table) - 1), i, rng.choice((side, side, 1 - side))
+    table[j, i, side], table[second] = table[second], table[j, i, side]
 
 
-def swap(dice: Random, table: Any) -> None:
-    """Two entries of one dimension in rows close by, of one edge or of both."""
-    j, i, side = somewhere(dice, table)
-    other = min(j + dice.randint(0, 2), len(table) - 1), i, dice.choice((side, side, 1 - side))
-    table[j, i, side], table[other] = table[other], table[j, i, side]
+def shift_row(rng: Random, table: Any) -> None:
+    """Shift both edges of a row, in one dimension or in all."""
+    j, i, _ = draw_entry(rng, table)
+    table[j, rng.choice((i, slice(None)))] += draw_change(rng, 20)
 
 
-def shift(dice: Random, table: Any) -> None:
-    j, i, _ = somewhere(dice, table)
-    table[j, dice.choice((i, slice(None)))] += amount(dice, 20)
+def repeat_row(rng: Random, table: Any) -> None:
+    """Write a row over its neighbour."""
+    j = rng.randrange(1, len(table))
+    target, source = rng.choice(((j, j - 1), (j - 1, j)))
+    table[target] = table[source]
 
 
-def repeat(dice: Random, table: Any) -> None:
-    j = dice.randrange(1, len(table))
-    a, b = dice.choice(((j, j - 1), (j - 1, j)))
-    table[a] = table[b]
+def dent_edges(rng: Random, table: Any) -> None:
+    """Move entries inward, which mostly leaves a safe tube, with extremes inside its segments."""
+    for _ in range(rng.randint(1, 4)):
+        j, i, side = rng.randrange(3, len(table) - 3), *draw_entry(rng, table)[1:]
+        table[j, i, side] += abs(draw_change(rng, 17)) * (1 if side == LOWER else -1)
 
 
-def dent(dice: Random, table: Any) -> None:
-    """Bent inward, which mostly leaves a tube that is safe, with extremes inside its segments."""
-    for _ in range(dice.randint(1, 4)):
-        j, i, side = dice.randrange(3, len(table) - 3), *somewhere(dice, table)[1:]
-        table[j, i, side] += abs(amount(dice, 17)) * (1 if side == LOWER else -1)
+def move_end(rng: Random, table: Any, rows: Sequence[int]) -> None:
+    """Move an edge in these rows by one amount."""
+    _, i, side = draw_entry(rng, table)
+    table[rows, i, side] += draw_change(rng, 10)
 
 
-def end(dice: Random, table: Any, rows: Sequence[int]) -> None:
-    _, i, side = somewhere(dice, table)
-    table[rows, i, side] += amount(dice, 10)
+# ------------------------------------------------------------------------------------------------ harder tasks: boxes
 
 
-# ------------------------------------------------------------------------------------------------ harder tasks
+def move_or_grow_obstacle(rng: Random, base: BaseTube) -> Mutant:
+    """Move one unsafe set on one axis, or grow it."""
+    j, i, by = (
+        rng.randrange(len(base.task.unsafe)),
+        rng.randrange(base.task.dimension),
+        draw_change(rng, 20) * base.design.unit,
+    )
+    obstacle = base.task.unsafe[j]
+    if isinstance(obstacle, UnsafeSet):
+        low, high = signed_faces(obstacle)[i]
+        faces = (low - abs(by), high - abs(by)) if rng.random() < 0.5 else (low + by, high - by)
+        changed: Any = with_face(with_face(obstacle, i, LOWER, faces[LOWER]), i, UPPER, faces[UPPER])
+    else:
+        changed = _move_or_grow_shape(rng, obstacle, i, by)
+    return with_task(base, unsafe=(*base.task.unsafe[:j], changed, *base.task.unsafe[j + 1 :]))
 
 
-def obstacle_changed(dice: Random, b: Base) -> Mutant:
-    """One unsafe set moved, or a pair of its faces moved out."""
-    j, i, by = dice.randrange(len(b.task.unsafe)), dice.randrange(b.task.dimension), amount(dice, 20) * b.design.unit
-    if not isinstance(b.task.unsafe[j], UnsafeSet):
-        return with_task(b, unsafe=(*b.task.unsafe[:j], changed(dice, b.task.unsafe[j], i, by), *b.task.unsafe[j + 1 :]))
-    low, high = signed_faces(b.task.unsafe[j])[i]
-    faces = (low - abs(by), high - abs(by)) if dice.random() < 0.5 else (low + by, high - by)
-    box = with_face(with_face(b.task.unsafe[j], i, LOWER, faces[LOWER]), i, UPPER, faces[UPPER])
-    return with_task(b, unsafe=(*b.task.unsafe[:j], box, *b.task.unsafe[j + 1 :]))
+def _move_or_grow_shape(rng: Random, obstacle: Any, i: int, by: Fraction) -> Any:
+    """Move some vertices of a polytope on one axis; move a round set on one axis, or grow it."""
+    if isinstance(obstacle, UnsafePolytope):
+        is_moved = [rng.random() < 0.5 for _ in obstacle.vertices]
+        points = tuple(with_entry(p, i, p[i] + by) if moved else p for moved, p in zip(is_moved, obstacle.vertices, strict=True))
+        return obstacle.model_copy(update={"vertices": points})
+    if rng.random() < 0.5:
+        return obstacle.model_copy(update={"radius": obstacle.radius + abs(by)})
+    return obstacle.model_copy(update={"centre": with_entry(obstacle.centre, i, obstacle.centre[i] + by)})
 
 
-def beside(dice: Random, b: Base, k: int, s: Fraction, sides: Sides, extent: int) -> Mutant:
-    """One more unsafe set, before these sides of the tube's box at place s of segment k, with a drawn slack each."""
+def _with_box_beside(rng: Random, base: BaseTube, segment: int, s: Fraction, *, edges: Sequence[Edge], size_bits: int) -> Mutant:
+    """Add an unsafe box that all but touches these edges of the tube at s of a segment, with a drawn slack each. On the other
+    axes it overlaps the tube. It is up to 2^size_bits units larger."""
     faces = []
-    for i, edges in enumerate(signed_edges(b.design)[k].tolist()):
-        at = [short(sum(a * s**p for p, a in enumerate(edge)) * b.design.unit) for edge in edges]
-        spread = [abs(amount(dice, extent)) * b.design.unit for _ in range(2)]
-        pair = [at[LOWER] - spread[0], -at[UPPER] + spread[1]]
-        for side in [side for m, side in sides if m == i]:
-            near = at[side] - b.body[i] - b.task.tube.clearance - slack(dice, b)
-            pair = [near - spread[0], near] if side == LOWER else [-near, -near + spread[0]]
+    for i, cubics in enumerate(signed_edges(base.design)[segment].tolist()):
+        at = [floor_to_file(sum(a * s**p for p, a in enumerate(cubic)) * base.design.unit) for cubic in cubics]
+        sizes = [abs(draw_change(rng, size_bits)) * base.design.unit for _ in range(2)]
+        pair = [at[LOWER] - sizes[0], -at[UPPER] + sizes[1]]
+        for side in [side for axis, side in edges if axis == i]:
+            near = at[side] - base.body[i] - base.task.tube.clearance - draw_slack(rng, base)
+            pair = [near - sizes[0], near] if side == LOWER else [-near, -near + sizes[0]]
         faces.append(pair)
     lower, upper = zip(*faces, strict=True)
-    return with_task(b, unsafe=(*b.task.unsafe, UnsafeSet(name="added", lower=lower, upper=upper)))
+    return with_obstacle(base, UnsafeSet(name="added", lower=lower, upper=upper))
 
 
-def changed(dice: Random, unsafe: Any, i: int, by: Fraction) -> Any:
-    """A set of another shape moved in one dimension, or made larger."""
-    if isinstance(unsafe, UnsafePolytope):
-        moved = [dice.random() < 0.5 for _ in unsafe.vertices]
-        points = tuple(entry(p, i, p[i] + by) if m else p for m, p in zip(moved, unsafe.vertices, strict=True))
-        return unsafe.model_copy(update={"vertices": points})
-    if dice.random() < 0.5:
-        return unsafe.model_copy(update={"radius": unsafe.radius + abs(by)})
-    return unsafe.model_copy(update={"centre": entry(unsafe.centre, i, unsafe.centre[i] + by)})
+def add_box_at_extreme(rng: Random, base: BaseTube) -> Mutant:
+    """Add an unsafe box before the extreme of one edge over some segments."""
+    (i, side), last = draw_edge(rng, base), base.design.segments - 1
+    k, reach = rng.choice((0, last, *[rng.randint(0, last)] * 4)), rng.choice((0, 1, 4, 64))
+    first = max(0, k - reach)
+    extreme = smallest_value(signed_edges(base.design)[first : k + reach + 1, i, side])
+    size_bits = rng.choice((4, 12, 20))
+    return _with_box_beside(rng, base, first + extreme.cubic, extreme.s, edges=[(i, side)], size_bits=size_bits)
 
 
-def shape_beside(dice: Random, b: Base, kind: str) -> Mutant:
-    """One more unsafe set of a kind, that all but touches the tube's box, grown by body and clearance, in one of its corners: all
-    of it is beyond a plane through that corner, and one point of it is in the plane, but for the slack that is drawn."""
-    n, k, s = b.task.dimension, dice.randrange(b.design.segments), Fraction(dice.randint(0, 8), 8)
-    d = min(n, dice.choice((2, 2, 3)))
-    own = sorted(dice.sample(range(n), d))
-    signs, normal = [dice.choice((-1, 1)) for _ in own], [dice.randint(0, 9) for _ in own]
-    normal[dice.randrange(d)] = dice.randint(1, 9)
-    out, keep = [v * w for v, w in zip(signs, normal, strict=True)], b.task.tube.clearance - slack(dice, b)
-    ahead = [(i, UPPER if sign > 0 else LOWER) for i, sign in zip(own, signs, strict=True)]
-    edges = signed_edges(b.design)
-    if dice.random() < 0.8:  # where the tube is farthest out along the normal, so that it meets the set nowhere else
-        k, s = deepest(
-            [sum(v * edges[:, i, side] for v, (i, side) in zip(normal, ahead, strict=True))[j] for j in range(len(edges))]
-        )[:2]
+def add_box_in_corner(rng: Random, base: BaseTube) -> Mutant:
+    """Add an unsafe box whose corner the tube rounds: as one dimension leaves it another arrives, without slack at the same s."""
+    k, s = rng.randrange(base.design.segments), Fraction(rng.randint(0, 8), 8)
+    slopes = {
+        (i, side): a + 2 * c * s + 3 * d * s * s
+        for i, pair in enumerate(signed_edges(base.design)[k].tolist())
+        for side, (_, a, c, d) in enumerate(pair)
+    }
+    arriving = rng.choice([edge for edge, slope in slopes.items() if slope < 0])
+    leaving = rng.choice([edge for edge, slope in slopes.items() if slope > 0 and edge[0] != arriving[0]])
+    return _with_box_beside(rng, base, k, s, edges=[arriving, leaving], size_bits=rng.choice((8, 20)))
+
+
+def add_box_anywhere(rng: Random, base: BaseTube) -> Mutant:
+    """Add an unsafe box of any size, thin ones too, beside the tube at any time."""
+    edges = [(i, rng.randrange(2)) for i in rng.sample(range(base.task.dimension), rng.randint(1, 2))]
+    k, s = rng.randrange(base.design.segments), Fraction(rng.randint(0, 8), 8)
+    return _with_box_beside(rng, base, k, s, edges=edges, size_bits=rng.choice((1, 20)))
+
+
+# ------------------------------------------------------------------------------------------------ harder tasks: shapes
+
+
+def _draw_axes(rng: Random, base: BaseTube) -> list[int]:
+    """Draw the axes that a new set bounds: two or three, or all."""
+    n = base.task.dimension
+    d = min(n, rng.choice((2, 2, 3)))
+    return sorted(rng.sample(range(n), d))
+
+
+def _axis_names(base: BaseTube, axes: Sequence[int]) -> tuple[str, ...]:
+    names = base.task.axes or tuple(f"x{i + 1}" for i in range(base.task.dimension))
+    return tuple(names[i] for i in axes)
+
+
+@dataclass(frozen=True)
+class _TouchedCorner:
+    """A corner of the tube's box, grown by body and clearance less a slack, and an outward normal of a plane through it, on some
+    axes. names: of the axes, None where they are all."""
+
+    axes: list[int]
+    names: tuple[str, ...] | None
+    corner: list[Fraction]
+    outward: list[int]
+
+    @property
+    def length(self) -> float:
+        return math.sqrt(sum(v * v for v in self.outward))
+
+    def draw_point_beyond(self, rng: Random, reach: float) -> tuple[Fraction, ...]:
+        """Draw a point up to `reach` away from the corner, in the plane or beyond it."""
+        step = [rng.uniform(-reach, reach) for _ in self.outward]
+        along = sum(v * w for v, w in zip(step, self.outward, strict=True)) / self.length**2
+        wanted = rng.choice((0.0, abs(along)))
+        return tuple(
+            floor_to_file(c + Fraction(v + (wanted - along) * w)) for c, v, w in zip(self.corner, step, self.outward, strict=True)
+        )
+
+
+def _draw_touched_corner(rng: Random, base: BaseTube) -> _TouchedCorner:
+    """Draw a corner of the tube: mostly where the tube is farthest along the normal, so that a set beyond the plane meets it
+    nowhere else."""
+    n, k, s = base.task.dimension, rng.randrange(base.design.segments), Fraction(rng.randint(0, 8), 8)
+    axes = _draw_axes(rng, base)
+    signs, sizes = [rng.choice((-1, 1)) for _ in axes], [rng.randint(0, 9) for _ in axes]
+    sizes[rng.randrange(len(axes))] = rng.randint(1, 9)
+    outward, distance = [v * w for v, w in zip(signs, sizes, strict=True)], base.task.tube.clearance - draw_slack(rng, base)
+    sides = [(i, UPPER if sign > 0 else LOWER) for i, sign in zip(axes, signs, strict=True)]
+    edges = signed_edges(base.design)
+    if rng.random() < 0.8:
+        inward = sum(v * edges[:, i, side] for v, (i, side) in zip(sizes, sides, strict=True))
+        k, s, _ = smallest_value(inward[j] for j in range(len(edges)))
         s = Fraction(round(s * 64), 64)
     corner = []
-    for (i, side), sign in zip(ahead, signs, strict=True):
-        at = short(sum(int(a) * s**p for p, a in enumerate(edges[k, i, side])) * b.design.unit)
-        corner.append((-at if side == UPPER else at) + sign * (b.body[i] + keep))
-    axes = None if d == n else tuple((b.task.axes or tuple(f"x{i + 1}" for i in range(n)))[i] for i in own)
-    length = math.sqrt(sum(v * v for v in out))
+    for (i, side), sign in zip(sides, signs, strict=True):
+        at = floor_to_file(sum(int(a) * s**p for p, a in enumerate(edges[k, i, side])) * base.design.unit)
+        corner.append((-at if side == UPPER else at) + sign * (base.body[i] + distance))
+    return _TouchedCorner(axes, None if len(axes) == n else _axis_names(base, axes), corner, outward)
 
-    def away(reach: float) -> tuple[Fraction, ...]:
-        """From the corner along the plane and a little beyond it."""
-        step = [dice.uniform(-reach, reach) for _ in out]
-        along = sum(v * w for v, w in zip(step, out, strict=True)) / length**2
-        wanted = dice.choice((0.0, abs(along)))
-        return tuple(short(c + Fraction(v + (wanted - along) * w)) for c, v, w in zip(corner, step, out, strict=True))
 
-    size = dice.choice((0.01, 0.3, 2.0))
-    radius = short(Fraction(dice.uniform(0.1, 1) * size)) + Fraction(1, 1 << 32)
-    centre = tuple(short(c + Fraction(float(radius) * v / length)) for c, v in zip(corner, out, strict=True))
+def add_shape_beside(rng: Random, base: BaseTube, shape: str) -> Mutant:
+    """Add a ball, capsule, polytope or half-spaces that all but touch the tube: the set is beyond a plane through a corner of the
+    tube's box, and one point of it is in the plane, but for the drawn slack."""
+    touched = _draw_touched_corner(rng, base)
+    size = rng.choice((0.01, 0.3, 2.0))
+    radius = floor_to_file(Fraction(rng.uniform(0.1, 1) * size)) + Fraction(1, 1 << 32)
+    centre = tuple(
+        floor_to_file(c + Fraction(float(radius) * v / touched.length))
+        for c, v in zip(touched.corner, touched.outward, strict=True)
+    )
     added: Any
-    if kind == "ball":
-        added = UnsafeBall(name="added", axes=axes, centre=centre, radius=radius)
-    elif kind == "capsule":
-        far = tuple(c + v - w for c, v, w in zip(centre, away(size), corner, strict=True))
-        added = UnsafeCapsule(name="added", axes=axes, segment=(centre, far), radius=radius)
-    elif kind == "polytope":
-        points = (tuple(corner), *(away(size) for _ in range(dice.randint(d, 6))))
-        added = UnsafePolytope(name="added", axes=axes, vertices=points)
+    if shape == "ball":
+        added = UnsafeBall(name="added", axes=touched.names, centre=centre, radius=radius)
+    elif shape == "capsule":
+        beyond = touched.draw_point_beyond(rng, size)
+        far_end = tuple(c + v - w for c, v, w in zip(centre, beyond, touched.corner, strict=True))
+        added = UnsafeCapsule(name="added", axes=touched.names, segment=(centre, far_end), radius=radius)
+    elif shape == "polytope":
+        count = rng.randint(len(touched.axes), 6)
+        points = (tuple(touched.corner), *(touched.draw_point_beyond(rng, size) for _ in range(count)))
+        added = UnsafePolytope(name="added", axes=touched.names, vertices=points)
     else:
-        offset = -sum((v * c for v, c in zip(out, corner, strict=True)), Fraction(0))
-        cuts = [(tuple(Fraction(-v) for v in out), offset)]
-        for _ in range(dice.randint(0, 3)):
-            other = tuple(Fraction(dice.randint(-5, 5)) for _ in out)
-            cuts.append(
-                (other, sum((v * c for v, c in zip(other, corner, strict=True)), Fraction(0)) + short(Fraction(dice.random())))
-            )
-        added = UnsafeHalfSpaces(name="added", axes=axes, normals=tuple(v for v, _ in cuts), offsets=tuple(v for _, v in cuts))
-    return with_task(b, unsafe=(*b.task.unsafe, added))
+        added = _draw_half_spaces(rng, touched)
+    return with_obstacle(base, added)
 
 
-def region_beside(dice: Random, b: Base, kind: str) -> Mutant:
-    """State space or target cut by a half-space that the tube all but touches, by a hull that has it as a face, or a target that
-    is a ball with a corner of the tube's end on it, but for the slack that is drawn."""
-    n = b.task.dimension
-    d = min(n, dice.choice((2, 2, 3)))
-    own = sorted(dice.sample(range(n), d))
-    edges, axes = signed_edges(b.design), tuple((b.task.axes or tuple(f"x{i + 1}" for i in range(n)))[i] for i in own)
-    last = [[int(edges[-1, i, side].sum()) * b.design.unit for side in (LOWER, UPPER)] for i in own]
-    if kind == "ball":
-        centre = tuple(short(Fraction(dice.uniform(float(low), -float(high)))) for low, high in last)
-        far = math.sqrt(sum(max(c - low, -high - c) ** 2 for c, (low, high) in zip(centre, last, strict=True)))
-        radius = short(Fraction(far) * dice.choice(SIZES) - slack(dice, b))
-        return with_task(b, target_set=Target(axes=axes, centre=centre, radius=radius))
-    name = dice.choice(("state_space", "target_set"))
-    out = [dice.randint(-9, 9) for _ in own]
-    out[dice.randrange(d)] = dice.choice((-1, 1)) * dice.randint(1, 9)
-    ahead = [(i, UPPER if v > 0 else LOWER) for i, v in zip(own, out, strict=True)]
-    inward = sum(abs(v) * edges[:, i, side] for v, (i, side) in zip(out, ahead, strict=True))
-    least = deepest(inward)[2] if name == "state_space" else Fraction(int(inward[-1].sum()))
-    body = sum((abs(v) * b.body[i] for i, v in zip(own, out, strict=True)), Fraction(0)) if name == "state_space" else 0
-    offset = short(body - least * b.design.unit) - slack(dice, b)
-    cut: dict[str, Any] = {"axes": axes, "normals": (tuple(map(Fraction, out)),), "offsets": (offset,)}
-    if kind == "hull":  # the box's corners, those beyond the plane moved onto it along one axis
-        k = max(range(d), key=lambda i: abs(out[i]))
-        place = getattr(b.task, name)
-        box = [(place.lower[i] - 100, place.upper[i] + 100) for i in own]
-        points = []
-        for corner in itertools.product(*box):
-            beyond = sum((v * c for v, c in zip(out, corner, strict=True)), Fraction(0)) - offset
-            points.append(entry(corner, k, short(corner[k] - beyond / out[k])) if beyond > 0 else corner)
-        cut = {"axes": axes, "vertices": tuple(points)}
-    return with_task(b, **{name: getattr(b.task, name).model_copy(update=cut)})
+def _draw_half_spaces(rng: Random, touched: _TouchedCorner) -> UnsafeHalfSpaces:
+    """Draw the set beyond the plane, cut by up to three half-spaces that hold the corner."""
+
+    def at_corner(normal: Sequence[Any]) -> Fraction:
+        return sum((v * c for v, c in zip(normal, touched.corner, strict=True)), Fraction(0))
+
+    normals, offsets = [tuple(Fraction(-v) for v in touched.outward)], [-at_corner(touched.outward)]
+    for _ in range(rng.randint(0, 3)):
+        normals.append(tuple(Fraction(rng.randint(-5, 5)) for _ in touched.outward))
+        offsets.append(at_corner(normals[-1]) + floor_to_file(Fraction(rng.random())))
+    return UnsafeHalfSpaces(name="added", axes=touched.names, normals=tuple(normals), offsets=tuple(offsets))
 
 
-def mover_beside(dice: Random, b: Base, kind: str) -> Mutant:
-    """A set that is put beside the tube as by `shape_beside`, then moved, doubted, grown or given hours: from the place where it
-    all but touches the tube it goes away, or comes there from elsewhere."""
-    task, _ = shape_beside(dice, b, dice.choice(("ball", "polytope", "capsule")))
+def make_target_ball(rng: Random, base: BaseTube) -> Mutant:
+    """Make the target a ball with a corner of the tube's end on it, but for the drawn slack; or a little larger."""
+    axes = _draw_axes(rng, base)
+    edges = signed_edges(base.design)
+    last = [[int(edges[-1, i, side].sum()) * base.design.unit for side in (LOWER, UPPER)] for i in axes]
+    centre = tuple(floor_to_file(Fraction(rng.uniform(float(low), -float(high)))) for low, high in last)
+    farthest = math.sqrt(sum(max(c - low, -high - c) ** 2 for c, (low, high) in zip(centre, last, strict=True)))
+    radius = floor_to_file(Fraction(farthest) * rng.choice(RADIUS_FACTORS) - draw_slack(rng, base))
+    return with_task(base, target_set=Target(axes=_axis_names(base, axes), centre=centre, radius=radius))
+
+
+def cut_region(rng: Random, base: BaseTube, as_hull: bool) -> Mutant:
+    """Cut state space or target by a half-space that the tube all but touches, or by a hull that has it as a face."""
+    axes = _draw_axes(rng, base)
+    edges = signed_edges(base.design)
+    name = rng.choice(("state_space", "target_set"))
+    outward = [rng.randint(-9, 9) for _ in axes]
+    outward[rng.randrange(len(axes))] = rng.choice((-1, 1)) * rng.randint(1, 9)
+    sides = [(i, UPPER if v > 0 else LOWER) for i, v in zip(axes, outward, strict=True)]
+    inward = sum(abs(v) * edges[:, i, side] for v, (i, side) in zip(outward, sides, strict=True))
+    extreme, body = Fraction(int(inward[-1].sum())), Fraction(0)
+    if name == "state_space":
+        extreme = smallest_value(inward).value
+        body = sum((abs(v) * base.body[i] for i, v in zip(axes, outward, strict=True)), Fraction(0))
+    offset = floor_to_file(body - extreme * base.design.unit) - draw_slack(rng, base)
+    region = getattr(base.task, name)
+    cut: dict[str, Any] = {"axes": _axis_names(base, axes)}
+    if as_hull:
+        bounds = [(region.lower[i] - 100, region.upper[i] + 100) for i in axes]
+        cut["vertices"] = _cut_corners(list(itertools.product(*bounds)), outward, offset)
+    else:
+        cut |= {"normals": (tuple(map(Fraction, outward)),), "offsets": (offset,)}
+    return with_task(base, **{name: region.model_copy(update=cut)})
+
+
+def _cut_corners(corners: Sequence[tuple[Fraction, ...]], normal: Sequence[int], offset: Fraction) -> tuple[Any, ...]:
+    """Move corners beyond a plane onto it, along the axis of the normal's largest component."""
+    k = max(range(len(normal)), key=lambda i: abs(normal[i]))
+    points = []
+    for corner in corners:
+        beyond = sum((v * c for v, c in zip(normal, corner, strict=True)), Fraction(0)) - offset
+        points.append(with_entry(corner, k, floor_to_file(corner[k] - beyond / normal[k])) if beyond > 0 else corner)
+    return tuple(points)
+
+
+def add_timed_set(rng: Random, base: BaseTube, feature: str) -> Mutant:
+    """Add a set beside the tube as `add_shape_beside` does, which moves, grows, or has an active interval or timing uncertainty.
+
+    At one time it all but touches the tube, before and after it is elsewhere; sometimes it stands still. feature: "motion",
+    "window", "timing" or "spread"."""
+    task, _ = add_shape_beside(rng, base, rng.choice(("ball", "polytope", "capsule")))
     added: Any = task.unsafe[-1]
     t_c, d = task.prescribed_time, len(added.axes or task.axis_names)
-    times = sorted(short(t_c * Fraction(dice.randint(0, 64), 64)) for _ in range(dice.randint(1, 4)))
+    times = sorted(floor_to_file(t_c * Fraction(rng.randint(0, 64), 64)) for _ in range(rng.randint(1, 4)))
     times = sorted(set(times))
-    far = dice.choice((1e-4, 0.05, 0.5, 3.0))
-    places = [tuple(short(Fraction(dice.uniform(-far, far))) for _ in range(d)) for _ in times]
-    still = dice.randrange(len(times))
-    places[still] = (Fraction(0),) * d
-    if dice.random() < 0.3:  # it stands where it all but touches
-        places = [(Fraction(0),) * d for _ in times]
-    more: dict[str, Any] = {"motion": tuple(Waypoint(at=a, by=p) for a, p in zip(times, places, strict=True))}
-    if kind == "window" or dice.random() < 0.2:
-        a, z = sorted(dice.sample(range(65), 2))
-        more["during"] = (short(t_c * Fraction(a, 64)), short(t_c * Fraction(z, 64)))
-        if kind == "window":
-            del more["motion"]
-    delay = Fraction(0)
-    if kind == "doubt":
-        more["timing"] = short(t_c * Fraction(dice.choice((0, 1, 3, 20)), 200))
-        delay = short(t_c * Fraction(dice.choice((0, 1, 3, 20)), 200))
-    if kind == "spread":
-        more["spread"] = short(Fraction(dice.choice((1e-6, 1e-3, 0.05))))
-    changed_ = added.model_copy(update=more)
-    return task.model_copy(update={"unsafe": (*task.unsafe[:-1], changed_), "start_delay": delay}), b.design
+    reach = rng.choice((1e-4, 0.05, 0.5, 3.0))
+    displacements = [tuple(floor_to_file(Fraction(rng.uniform(-reach, reach))) for _ in range(d)) for _ in times]
+    displacements[rng.randrange(len(times))] = (Fraction(0),) * d
+    if rng.random() < 0.3:
+        displacements = [(Fraction(0),) * d for _ in times]
+    change: dict[str, Any] = {"motion": tuple(Waypoint(at=a, by=p) for a, p in zip(times, displacements, strict=True))}
+    if feature == "window" or rng.random() < 0.2:
+        begin, end = sorted(rng.sample(range(65), 2))
+        change["during"] = (floor_to_file(t_c * Fraction(begin, 64)), floor_to_file(t_c * Fraction(end, 64)))
+        if feature == "window":
+            del change["motion"]
+    start_delay = Fraction(0)
+    if feature == "timing":
+        change["timing"] = floor_to_file(t_c * Fraction(rng.choice((0, 1, 3, 20)), 200))
+        start_delay = floor_to_file(t_c * Fraction(rng.choice((0, 1, 3, 20)), 200))
+    if feature == "spread":
+        change["spread"] = floor_to_file(Fraction(rng.choice((1e-6, 1e-3, 0.05))))
+    unsafe = (*task.unsafe[:-1], added.model_copy(update=change))
+    return Mutant(task.model_copy(update={"unsafe": unsafe, "start_delay": start_delay}), base.design)
 
 
-def before_face(dice: Random, b: Base) -> Mutant:
-    """An unsafe set before the extreme of one edge over some segments."""
-    (i, side), last = any_side(dice, b), b.design.segments - 1
-    k, reach = dice.choice((0, last, *[dice.randint(0, last)] * 4)), dice.choice((0, 1, 4, 64))
-    first = max(0, k - reach)
-    ahead, s, _ = deepest(signed_edges(b.design)[first : k + reach + 1, i, side])
-    return beside(dice, b, first + ahead, s, [(i, side)], dice.choice((4, 12, 20)))
+# ------------------------------------------------------------------------------------------------ harder tasks: demands
 
 
-def in_corner(dice: Random, b: Base) -> Mutant:
-    """A set whose corner the tube rounds: one dimension hands over to another, without slack at a root that both share."""
-    k, s = dice.randrange(b.design.segments), Fraction(dice.randint(0, 8), 8)
-    slope = {(i, side): a + 2 * c * s + 3 * d * s * s
-             for i, pair in enumerate(signed_edges(b.design)[k].tolist()) for side, (_, a, c, d) in enumerate(pair)}  # fmt: skip
-    one = dice.choice([side for side, v in slope.items() if v < 0])
-    other = dice.choice([side for side, v in slope.items() if v > 0 and side[0] != one[0]])
-    return beside(dice, b, k, s, [one, other], dice.choice((8, 20)))
-
-
-def obstacle_added(dice: Random, b: Base) -> Mutant:
-    """An unsafe set of any size, thin ones too, beside the tube at any place."""
-    sides = [(i, dice.randrange(2)) for i in dice.sample(range(b.task.dimension), dice.randint(1, 2))]
-    return beside(dice, b, dice.randrange(b.design.segments), Fraction(dice.randint(0, 8), 8), sides, dice.choice((1, 20)))
-
-
-def set_moved(dice: Random, b: Base) -> Mutant:
-    """A face of start, target or state space put where the tube has its extreme."""
-    (i, side), name = any_side(dice, b), dice.choice(("initial_set", "target_set", "state_space"))
-    edge = signed_edges(b.design)[:, i, side]
-    least = Fraction(int(edge[0, 0] if name == "initial_set" else edge[-1].sum()))
+def move_set_face(rng: Random, base: BaseTube) -> Mutant:
+    """Put a face of start, target or state space where the tube has its extreme."""
+    (i, side), name = draw_edge(rng, base), rng.choice(("initial_set", "target_set", "state_space"))
+    edge = signed_edges(base.design)[:, i, side]
+    extreme, body = Fraction(int(edge[0, 0] if name == "initial_set" else edge[-1].sum())), Fraction(0)
     if name == "state_space":
-        least = deepest(edge)[2]
-    face = short(least * b.design.unit) - (b.body[i] if name == "state_space" else 0) - slack(dice, b)
-    return with_task(b, **{name: with_face(getattr(b.task, name), i, side, face)})
+        extreme, body = smallest_value(edge).value, base.body[i]
+    face = floor_to_file(extreme * base.design.unit) - body - draw_slack(rng, base)
+    return with_task(base, **{name: with_face(getattr(base.task, name), i, side, face)})
 
 
-def state_moved(dice: Random, b: Base) -> Mutant:
-    i, side = any_side(dice, b)
-    edge = int(signed_edges(b.design)[0, i, side, 0]) * b.design.unit + slack(dice, b)
-    return with_task(b, initial_state=entry(b.task.initial_state, i, edge if side == LOWER else -edge))
+def move_initial_state(rng: Random, base: BaseTube) -> Mutant:
+    """Put the initial state on an edge of the tube, but for the drawn slack."""
+    i, side = draw_edge(rng, base)
+    edge = int(signed_edges(base.design)[0, i, side, 0]) * base.design.unit + draw_slack(rng, base)
+    return with_task(base, initial_state=with_entry(base.task.initial_state, i, edge if side == LOWER else -edge))
 
 
-def clearance_raised(dice: Random, b: Base) -> Mutant:
-    return with_tube(b, clearance=short(b.task.tube.clearance + b.margin["P4"] - slack(dice, b)))
+def raise_clearance(rng: Random, base: BaseTube) -> Mutant:
+    return with_demand(base, clearance=floor_to_file(base.task.tube.clearance + base.margins["P4"] - draw_slack(rng, base)))
 
 
-def width_raised(dice: Random, b: Base) -> Mutant:
-    least = deepest(-signed_edges(b.design).sum(axis=2).reshape(-1, 4))[2]
-    return with_tube(b, min_width=short(least * b.design.unit) - slack(dice, b))
+def raise_min_width(rng: Random, base: BaseTube) -> Mutant:
+    smallest_width = smallest_value(-signed_edges(base.design).sum(axis=2).reshape(-1, 4)).value
+    return with_demand(base, min_width=floor_to_file(smallest_width * base.design.unit) - draw_slack(rng, base))
 
 
-def body_raised(dice: Random, b: Base) -> Mutant:
-    i = dice.randrange(b.task.dimension)
-    return with_task(b, body=entry(b.body, i, short(b.body[i] + min(b.margin["P3"], b.margin["P4"]) - slack(dice, b))))
+def grow_body(rng: Random, base: BaseTube) -> Mutant:
+    """Grow the body on one axis by the smaller margin of P3 and P4, less the drawn slack."""
+    i = rng.randrange(base.task.dimension)
+    margin = min(base.margins["P3"], base.margins["P4"])
+    return with_task(base, body=with_entry(base.body, i, floor_to_file(base.body[i] + margin - draw_slack(rng, base))))
 
 
-def speed_bounded(dice: Random, b: Base) -> Mutant:
-    return with_tube(b, max_speed=_peaks(dice, b, 1))
+def bound_speed(rng: Random, base: BaseTube) -> Mutant:
+    return with_demand(base, max_speed=_draw_derivative_bound(rng, base, 1))
 
 
-def acceleration_bounded(dice: Random, b: Base) -> Mutant:
-    return with_tube(b, max_acceleration=_peaks(dice, b, 2))
+def bound_acceleration(rng: Random, base: BaseTube) -> Mutant:
+    return with_demand(base, max_acceleration=_draw_derivative_bound(rng, base, 2))
 
 
-def _peaks(dice: Random, b: Base, order: int) -> Fraction | tuple[Fraction, ...]:
-    """The largest derivative of that order, a little more or less: one number, or by component."""
-    found = signed_edges(b.design)
+def _draw_derivative_bound(rng: Random, base: BaseTube, order: int) -> Fraction | tuple[Fraction, ...]:
+    """Draw a bound near the largest derivative of that order, a little above or below: one number, or one for each axis."""
+    derivatives = signed_edges(base.design)
     for _ in range(order):
-        found = derivative(found)
-    per = b.design.unit * (b.design.segments / b.design.prescribed_time) ** order
-    slopes = [found[:, i].reshape(-1, 4) for i in range(b.design.dimension)]
-    peaks = [-min(deepest(slope)[2], deepest(-slope)[2]) * per for slope in slopes]
-    least = max(peaks) / 1000  # a dimension that stands still has a bound too
-    bounds = [max(v, least) * (1 + dice.choice((-1, 1)) * Fraction(2) ** dice.randint(-20, -4)) for v in peaks]
-    return tuple(map(short, bounds)) if dice.randrange(2) else short(max(bounds))
+        derivatives = derivative(derivatives)
+    scale = base.design.unit * (base.design.segments / base.design.prescribed_time) ** order
+    by_axis = [derivatives[:, i].reshape(-1, 4) for i in range(base.design.dimension)]
+    peaks = [-min(smallest_value(cubics).value, smallest_value(-cubics).value) * scale for cubics in by_axis]
+    smallest_peak = max(peaks) / 1000  # an axis that stands still needs a positive bound too
+    bounds = [max(v, smallest_peak) * (1 + rng.choice((-1, 1)) * Fraction(2) ** rng.randint(-20, -4)) for v in peaks]
+    return tuple(map(floor_to_file, bounds)) if rng.randrange(2) else floor_to_file(max(bounds))
 
 
-def dented(dice: Random, b: Base) -> Mutant:
-    """A dented tube, then a demand put at its extreme."""
-    other = replace(b, design=bent(dent)(dice, b)[1])
-    return dice.choice((before_face, in_corner, set_moved, width_raised))(dice, other)
+def dent_then_harden(rng: Random, base: BaseTube) -> Mutant:
+    """Dent the tube, then put a demand at its extreme."""
+    dented = replace(base, design=table_mutation(dent_edges)(rng, base).design)
+    return rng.choice((add_box_at_extreme, add_box_in_corner, move_set_face, raise_min_width))(rng, dented)
 
 
-KINDS: dict[str, Callable[[Random, Base], Mutant]] = {
-    "one coefficient": bent(partial(bend, most=1)),
-    "several coefficients": bent(partial(bend, most=8)),
-    "entries swapped": bent(swap),
-    "row shifted": bent(shift),
-    "row repeated": bent(repeat),
-    "kink at the end": bent(partial(end, rows=[-1])),
-    "end moved": bent(partial(end, rows=[-1, -3])),
-    "dented, then harder": dented,
-    "obstacle moved or grown": obstacle_changed,
-    "obstacle added": obstacle_added,
-    "obstacle before a face": before_face,
-    "obstacle in a corner": in_corner,
-    "set moved": set_moved,
-    "initial state moved": state_moved,
-    "clearance": clearance_raised,
-    "least width": width_raised,
-    "body": body_raised,
-    "speed bound": speed_bounded,
-    "acceleration bound": acceleration_bounded,
-    "ball beside": partial(shape_beside, kind="ball"),
-    "capsule beside": partial(shape_beside, kind="capsule"),
-    "polytope beside": partial(shape_beside, kind="polytope"),
-    "half-spaces beside": partial(shape_beside, kind="half-spaces"),
-    "wall beside": partial(region_beside, kind="half-space"),
-    "hull beside": partial(region_beside, kind="hull"),
-    "target ball beside": partial(region_beside, kind="ball"),
-    "motion beside": partial(mover_beside, kind="motion"),
-    "window beside": partial(mover_beside, kind="window"),
-    "doubt beside": partial(mover_beside, kind="doubt"),
-    "spread beside": partial(mover_beside, kind="spread"),
+MUTATIONS: dict[str, Mutation] = {
+    "one coefficient": table_mutation(partial(change_entries, count_at_most=1)),
+    "several coefficients": table_mutation(partial(change_entries, count_at_most=8)),
+    "entries swapped": table_mutation(swap_entries),
+    "row shifted": table_mutation(shift_row),
+    "row repeated": table_mutation(repeat_row),
+    "kink at the end": table_mutation(partial(move_end, rows=[-1])),
+    "end moved": table_mutation(partial(move_end, rows=[-1, -3])),
+    "dented, then harder": dent_then_harden,
+    "obstacle moved or grown": move_or_grow_obstacle,
+    "obstacle added": add_box_anywhere,
+    "obstacle before a face": add_box_at_extreme,
+    "obstacle in a corner": add_box_in_corner,
+    "set moved": move_set_face,
+    "initial state moved": move_initial_state,
+    "clearance": raise_clearance,
+    "least width": raise_min_width,
+    "body": grow_body,
+    "speed bound": bound_speed,
+    "acceleration bound": bound_acceleration,
+    "ball beside": partial(add_shape_beside, shape="ball"),
+    "capsule beside": partial(add_shape_beside, shape="capsule"),
+    "polytope beside": partial(add_shape_beside, shape="polytope"),
+    "half-spaces beside": partial(add_shape_beside, shape="half-spaces"),
+    "wall beside": partial(cut_region, as_hull=False),
+    "hull beside": partial(cut_region, as_hull=True),
+    "target ball beside": make_target_ball,
+    "motion beside": partial(add_timed_set, feature="motion"),
+    "window beside": partial(add_timed_set, feature="window"),
+    "timing beside": partial(add_timed_set, feature="timing"),
+    "spread beside": partial(add_timed_set, feature="spread"),
 }
 
 
-MOVING = ("motion beside", "window beside", "doubt beside", "spread beside")
-BESIDE = tuple(kind for kind in KINDS if kind.endswith(" beside") and kind not in MOVING)  # sets of other shapes than boxes
+TIMED_SET_KINDS = ("motion beside", "window beside", "timing beside", "spread beside")
+SHAPE_KINDS = tuple(kind for kind in MUTATIONS if kind.endswith(" beside") and kind not in TIMED_SET_KINDS)  # no boxes
 
 
-def draw(
-    dice: Random, names: Sequence[str], kinds: Sequence[str] = tuple(KINDS), scalars: Sequence[str] = ("float", "double")
-) -> tuple[str, str, Base, Mutant]:
-    """A kind, the base's name, the base, and a mutant that is well formed (a box may turn over, a coefficient grow too long, or a
-    step longer than integers have bits for)."""
-    kind = dice.choice(list(kinds))
+def draw_mutant(
+    rng: Random,
+    names: Sequence[str],
+    kinds: Sequence[str] = tuple(MUTATIONS),
+    scalars: Sequence[str] = ("float", "double"),
+) -> DrawnMutant:
+    """Draw a mutation of these kinds, a base of these names, and a well-formed mutant.
+
+    Mutants are drawn again where a box has turned over, a coefficient is too long, or a step needs more bits than integers
+    have."""
+    kind = rng.choice(list(kinds))
     for _ in range(1000):
-        name, scalar = dice.choice(names), dice.choice(scalars)
-        b = base(name, scalar)
+        name, scalar = rng.choice(names), rng.choice(scalars)
+        base = base_tube(name, scalar)
         with contextlib.suppress(ValueError, IndexError, BadInput):
-            if b is not None and well_formed((mutant := KINDS[kind](dice, b))[0]):
+            if base is not None and is_well_formed((mutant := MUTATIONS[kind](rng, base)).task):
                 if scalar == "fixed":
                     build_program(*mutant)
-                return kind, f"{name}, {scalar}", b, mutant
+                return DrawnMutant(kind, f"{name}, {scalar}", base, mutant)
     raise RuntimeError(f"no mutant of the kind {kind!r} from {', '.join(names)}")
 
 
-def well_formed(task: Task) -> bool:
+def is_well_formed(task: Task) -> bool:
+    """Whether a task file may say this: sets that are not empty, sizes above 0. Raises ValueError where an unsafe set is outside
+    the state space."""
     boxes = [task.state_space, task.initial_set, *([task.target_set] if task.target_set.lower else [])]
     if task.state_space.problem() or task.target_set.problem():
         return False
@@ -477,6 +597,6 @@ def well_formed(task: Task) -> bool:
     for s in task.unsafe:
         if s.problem():
             return False
-        s.to_set_in(task.state_space, task.axis_indices(s))  # raises ValueError where there is nothing of it
+        s.to_set_in(task.state_space, task.axis_indices(s))
     sizes = (*(b - a for box in boxes for a, b in zip(box.lower, box.upper, strict=True)), *(task.max_speed or (1,)))
     return min(sizes) > 0 and min(task.tube.clearance, task.tube.min_width, *(task.body or ())) >= 0

@@ -1,8 +1,9 @@
-"""The truth about rooms with an outline and holes, from the listed corners alone, in exact fractions.
+"""The truth about rooms with an outline and holes, from the corners that the task lists, in exact fractions.
 
-Nothing is shared with `stt_codegen.task.map.rooms` or `polygons`: a box is in a room where no side of the room meets the inside
-of the box and the middle of the box is inside by counting the sides to the right of it. Areas that sets have in common are those
-of polygons cut by half planes (Sutherland and Hodgman, 1974): what is cut may be concave, only its signed area is used.
+A box is in a room if no side of the room enters the box and the middle of the box is inside, which the number of sides to the
+right of it decides. The area that two polygons share is that of one cut by the sides of the other (Sutherland and Hodgman, 1974);
+the one that is cut may be concave, since only its signed area is used. Nothing is shared with `stt_codegen.task.map.rooms` or
+`polygons`. `benchmarks/rooms.py` and tests call this file.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ from stt_codegen.designs.refined import RefinedDesign
 
 Corner = tuple[Fraction, Fraction]
 Polygon = list[Corner]
-Span = tuple[Sequence[Fraction], Sequence[Fraction]]  # lower and upper edges of a box
+BoxEdges = tuple[Sequence[Fraction], Sequence[Fraction]]  # lower and upper, by axis
 
 
 @dataclass(frozen=True)
 class ListedRoom:
-    """Corners as a task lists them, in the plane."""
+    """The corners of a room in the plane, as a task lists them."""
 
     outline: Polygon
     holes: list[Polygon]
@@ -32,34 +33,34 @@ class ListedRoom:
         return [self.outline, *self.holes]
 
     @property
-    def frame(self) -> Span:
-        """The box around the outline."""
+    def bounding_box(self) -> BoxEdges:
         xs, ys = zip(*self.outline, strict=True)
         return (min(xs), min(ys)), (max(xs), max(ys))
 
 
-def listed(outline: Sequence[Any], holes: Sequence[Any] = ()) -> ListedRoom:
-    """From numbers whose shortest decimal counts."""
+def room_from_numbers(outline: Sequence[Any], holes: Sequence[Any] = ()) -> ListedRoom:
+    """Return the room with these corners; a double stands for its shortest decimal."""
     first, *rest = ([(Fraction(str(x)), Fraction(str(y))) for x, y in polygon] for polygon in (outline, *holes))
     return ListedRoom(first, rest)
 
 
 def sides(polygon: Polygon) -> Iterator[tuple[Corner, Corner]]:
+    """Yield each corner with the next one, around the polygon."""
     yield from zip(polygon, polygon[1:] + polygon[:1], strict=True)
 
 
-def is_inside(room: ListedRoom, point: Sequence[Fraction]) -> bool:
+def contains_point(listed_room: ListedRoom, point: Sequence[Fraction]) -> bool:
     """Whether a point is in the outline and in no hole: the number of sides to its right is odd."""
-    right = 0
-    for polygon in room.polygons:
+    sides_to_the_right = 0
+    for polygon in listed_room.polygons:
         for (ax, ay), (bx, by) in sides(polygon):
             if (ay <= point[1]) != (by <= point[1]):
-                right += ax + (point[1] - ay) / (by - ay) * (bx - ax) > point[0]
-    return right % 2 == 1
+                sides_to_the_right += ax + (point[1] - ay) / (by - ay) * (bx - ax) > point[0]
+    return sides_to_the_right % 2 == 1
 
 
-def meets_inside(a: Corner, b: Corner, box: Span) -> bool:
-    """Whether a side has a point strictly inside of a box (Liang and Barsky, 1984)."""
+def enters_box(a: Corner, b: Corner, box: BoxEdges) -> bool:
+    """Whether the side from a to b has a point strictly inside of a box (Liang and Barsky, 1984)."""
     if any(max(p, q) <= low or high <= min(p, q) for p, q, low, high in zip(a, b, *box, strict=True)):
         return False
     first, last = Fraction(0), Fraction(1)
@@ -73,20 +74,20 @@ def meets_inside(a: Corner, b: Corner, box: Span) -> bool:
     return first < last
 
 
-def box_is_inside(room: ListedRoom, box: Span, keep: Fraction = Fraction(0)) -> bool:
-    """Whether the inside of a box is in the room. keep: so far from all sides that are not on the frame,
-    in the largest component."""
-    frame, wider = room.frame, ([v - keep for v in box[0]], [v + keep for v in box[1]])
-    for polygon in room.polygons:
+def contains_box(listed_room: ListedRoom, box: BoxEdges, clearance: Fraction = Fraction(0)) -> bool:
+    """Whether the inside of a box is in the room, and, in the largest component, stays clear of all sides that are not on the
+    bounding box."""
+    bounding_box, grown = listed_room.bounding_box, ([v - clearance for v in box[0]], [v + clearance for v in box[1]])
+    for polygon in listed_room.polygons:
         for a, b in sides(polygon):
-            on_frame = any(a[i] == b[i] == end[i] for end in frame for i in (0, 1))
-            if meets_inside(a, b, box if on_frame else wider):
+            is_on_bounding_box = any(a[i] == b[i] == end[i] for end in bounding_box for i in (0, 1))
+            if enters_box(a, b, box if is_on_bounding_box else grown):
                 return False
-    return is_inside(room, [(low + high) / 2 for low, high in zip(*box, strict=True)])
+    return contains_point(listed_room, [(low + high) / 2 for low, high in zip(*box, strict=True)])
 
 
-def tube_boxes(design: RefinedDesign, parts: int) -> Iterator[tuple[Fraction, Span]]:
-    """The exact tube at so many times of every segment and at t_c: seconds, and its edges."""
+def tube_boxes(design: RefinedDesign, parts: int) -> Iterator[tuple[Fraction, BoxEdges]]:
+    """Yield the exact tube at `parts` times of every segment and at t_c: seconds, and its edges."""
     for k in range(design.segments * parts + 1):
         segment = min(k // parts, design.segments - 1)
         s = Fraction(k, parts) - segment
@@ -100,63 +101,72 @@ def tube_boxes(design: RefinedDesign, parts: int) -> Iterator[tuple[Fraction, Sp
 
 
 def times_outside(
-    room: ListedRoom, design: RefinedDesign, axes: Sequence[int], body: Sequence[Fraction], keep: Fraction, parts: int = 8
+    listed_room: ListedRoom,
+    design: RefinedDesign,
+    axes: Sequence[int],
+    body: Sequence[Fraction],
+    *,
+    clearance: Fraction,
+    parts: int = 8,
 ) -> list[Fraction]:
-    """The times at which the tube in these dimensions, grown by the body, is not in the room, or too near to a wall."""
+    """Return the times at which the tube on two axes, grown by the body, is not in the room, or too near to a wall. It is
+    compared at `parts` times of every segment."""
     times = []
-    for at, (lower, upper) in tube_boxes(design, parts):
+    for time, (lower, upper) in tube_boxes(design, parts):
         box = [lower[i] - body[i] for i in axes], [upper[i] + body[i] for i in axes]
-        if not box_is_inside(room, box, keep):
-            times.append(at)
+        if not contains_box(listed_room, box, clearance):
+            times.append(time)
     return times
 
 
-def area(polygon: Polygon) -> Fraction:
-    """Above 0 where the corners go around to the left."""
+def signed_area(polygon: Polygon) -> Fraction:
+    """Return the area, negative where the corners go around clockwise."""
     return sum((a[0] * b[1] - a[1] * b[0] for a, b in sides(polygon)), Fraction(0)) / 2
 
 
-def common_area(polygon: Polygon, convex: Polygon) -> Fraction:
-    """Of a polygon and a convex one."""
-    if area(convex) < 0:
+def shared_area(polygon: Polygon, convex: Polygon) -> Fraction:
+    """Return the area that a polygon shares with a convex one."""
+    if signed_area(convex) < 0:
         convex = convex[::-1]
-    rest = polygon if area(polygon) > 0 else polygon[::-1]
+    rest = polygon if signed_area(polygon) > 0 else polygon[::-1]
     for (ax, ay), (bx, by) in sides(convex):
-        kept: Polygon = []
+        inside: Polygon = []
         for p, q in sides(rest) if rest else ():
             first, second = ((bx - ax) * (v[1] - ay) - (by - ay) * (v[0] - ax) for v in (p, q))
             if first >= 0:
-                kept.append(p)
+                inside.append(p)
             if first * second < 0:
                 part = first / (first - second)
-                kept.append((p[0] + part * (q[0] - p[0]), p[1] + part * (q[1] - p[1])))
-        rest = kept
-    return area(rest) if rest else Fraction(0)
+                inside.append((p[0] + part * (q[0] - p[0]), p[1] + part * (q[1] - p[1])))
+        rest = inside
+    return signed_area(rest) if rest else Fraction(0)
 
 
-def partition_fault(room: ListedRoom, pieces: Sequence[Polygon]) -> str | None:
-    """What is wrong with polygons that should be convex and fill what the room leaves of its frame; None where nothing is."""
+def partition_fault(listed_room: ListedRoom, pieces: Sequence[Polygon]) -> str | None:
+    """Return what is wrong with polygons that should be convex and partition the bounding box without the room; None where they
+    do."""
     for k, piece in enumerate(pieces):
-        turns = [area([*corners]) for corners in zip(piece, piece[1:] + piece[:1], piece[2:] + piece[:2], strict=True)]
+        turns = [signed_area([*corners]) for corners in zip(piece, piece[1:] + piece[:1], piece[2:] + piece[:2], strict=True)]
         if not (all(t > 0 for t in turns) or all(t < 0 for t in turns)):
             return f"piece {k} is not strictly convex"
-        taken = common_area(room.outline, piece) - sum((common_area(hole, piece) for hole in room.holes), Fraction(0))
-        if taken:
-            return f"piece {k} takes {taken} of the room"
-        if any(not low <= v <= high for p in piece for v, low, high in zip(p, *room.frame, strict=True)):
-            return f"piece {k} is not in the frame"
-    shared = next(((a, b) for (a, p), (b, q) in combinations(enumerate(pieces), 2) if common_area(p, q)), None)
-    if shared is not None:
-        return f"pieces {shared} overlap"
-    (left, bottom), (right, top) = room.frame
-    free = abs(area(room.outline)) - sum((abs(area(hole)) for hole in room.holes), Fraction(0))
-    missing = (right - left) * (top - bottom) - free - sum((abs(area(p)) for p in pieces), Fraction(0))
+        in_holes = sum((shared_area(hole, piece) for hole in listed_room.holes), Fraction(0))
+        in_room = shared_area(listed_room.outline, piece) - in_holes
+        if in_room:
+            return f"piece {k} takes {in_room} of the room"
+        if any(not low <= v <= high for p in piece for v, low, high in zip(p, *listed_room.bounding_box, strict=True)):
+            return f"piece {k} is not in the box around the outline"
+    overlap = next(((a, b) for (a, p), (b, q) in combinations(enumerate(pieces), 2) if shared_area(p, q)), None)
+    if overlap is not None:
+        return f"pieces {overlap} overlap"
+    (left, bottom), (right, top) = listed_room.bounding_box
+    free = abs(signed_area(listed_room.outline)) - sum((abs(signed_area(hole)) for hole in listed_room.holes), Fraction(0))
+    missing = (right - left) * (top - bottom) - free - sum((abs(signed_area(p)) for p in pieces), Fraction(0))
     return f"an area of {missing} is in no piece" if missing else None
 
 
-def piece_of(table: Any) -> Polygon:
-    """The corners of an unsafe set of a task, a box or a polytope in the plane."""
-    if hasattr(table, "vertices"):
-        return [tuple(p) for p in table.vertices]
-    (a, c), (b, d) = table.lower, table.upper
+def corners_of(unsafe: Any) -> Polygon:
+    """Return the corners of an unsafe set of a task, a box or a polytope in the plane."""
+    if hasattr(unsafe, "vertices"):
+        return [tuple(p) for p in unsafe.vertices]
+    (a, c), (b, d) = unsafe.lower, unsafe.upper
     return [(a, c), (b, c), (b, d), (a, d)]

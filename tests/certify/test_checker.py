@@ -25,7 +25,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from benchmarks import token_mutants
-from benchmarks.mutants.tubes import BASES, draw
+from benchmarks.mutants.tubes import BOX_BASE_NAMES, draw_mutant
 from benchmarks.mutations import files_claiming_success
 from stt_codegen.certify import checker
 from stt_codegen.certify.claims import claims_of, cuts_of
@@ -502,7 +502,7 @@ def tubes_that_need_cuts() -> list[tuple[Task, RefinedDesign]]:
     """Return the first three mutated tubes of seed 0 whose proof cuts segments into parts."""
     tubes = []
     for number in itertools.count():
-        _, _, _, (task, design) = draw(Random(f"0 {number}"), BASES)
+        task, design = draw_mutant(Random(f"0 {number}"), BOX_BASE_NAMES).mutant
         certificate = certify(task, design, build_program(task, design))
         if certificate.holds and cuts_of(claims_of(task, design, certificate)) > 1:
             tubes.append((task, design))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from benchmarks.moving import FOUR, draw_moving_sets, has_way, task_of
-from benchmarks.mutants.tubes import MOVING
+from benchmarks.mutants.tubes import TIMED_SET_KINDS
 from benchmarks.mutations import judge
 from benchmarks.oracles.tubes import first_fault
 from stt_codegen.certify.moving_slack import UNREQUIRED_SLACK, MovingBlock, MovingBounds, cut
@@ -186,7 +186,7 @@ def test_with_growing_uncertainty_tool_and_checker_refuse_at_the_same_step_and_n
 
 @pytest.mark.slow
 def test_nothing_unsafe_passes_among_moving_mutants() -> None:
-    verdicts = [judge(number, 5, number % 4 == 0, ("omni_s2", "paper 3"), MOVING) for number in range(32)]
+    verdicts = [judge(number, 5, number % 4 == 0, ("omni_s2", "paper 3"), TIMED_SET_KINDS) for number in range(32)]
     assert not [v for v in verdicts if v.fault and any(a.passed for a in v.answers)]
     assert len({bool(v.fault) for v in verdicts}) == 2
 

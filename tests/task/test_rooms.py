@@ -16,7 +16,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from benchmarks import rooms
-from benchmarks.oracles.rooms import ListedRoom, box_is_inside, listed, partition_fault, piece_of, times_outside
+from benchmarks.oracles.rooms import ListedRoom, contains_box, corners_of, partition_fault, room_from_numbers, times_outside
 from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build
@@ -67,7 +67,7 @@ SOLID = SHORT.replace('name = "ell"', 'name = "ell"\naxes = ["x", "heading", "y"
 
 def room_of(text: str) -> ListedRoom:
     space = tomllib.loads(text)["state_space"]
-    return listed(space["outline"], space.get("holes", []))
+    return room_from_numbers(space["outline"], space.get("holes", []))
 
 
 # ------------------------------------------------------------------------------------------- an L, from its file to the checker
@@ -99,7 +99,7 @@ def test_the_outline_of_an_ell_is_certified_and_checked_and_its_tube_is_in_it(tm
     (tmp_path / "ell.toml").write_text(BY_VERTICES.replace("vertices =", "outline ="))
     made = build(tmp_path / "ell.toml")
     assert made.certificate.holds
-    assert times_outside(room_of(ELL), made.design, (0, 1), (Fraction(0),) * 2, Fraction("0.05"), 16) == []
+    assert times_outside(room_of(ELL), made.design, (0, 1), (Fraction(0),) * 2, clearance=Fraction("0.05"), parts=16) == []
     for name, data in made.files.items():
         (tmp_path / name).write_bytes(data)
     asked = [str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]
@@ -139,7 +139,7 @@ def test_a_room_with_other_axes_and_a_body(tmp_path: Path) -> None:
     assert made.task.state_space.lower == (0, -1, 0)
     assert made.certificate.holds
     body = [Fraction("0.1"), Fraction(0), Fraction("0.05")]
-    assert times_outside(room_of(SOLID), made.design, (2, 0), body, Fraction("0.05")) == []
+    assert times_outside(room_of(SOLID), made.design, (2, 0), body, clearance=Fraction("0.05")) == []
     for name, data in made.files.items():
         (tmp_path / name).write_bytes(data)
     assert checker.main([str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]) == 0
@@ -298,7 +298,7 @@ def test_walls_are_convex_and_fill_exactly_what_the_room_leaves_of_its_box(first
     for seed in range(first, first + 20):
         drawn = rooms.draw(seed)
         task = parse_task(rooms.text_of(drawn))
-        assert partition_fault(drawn.room, [piece_of(table) for table in task.unsafe]) is None, seed
+        assert partition_fault(drawn.room, [corners_of(table) for table in task.unsafe]) is None, seed
 
 
 coordinates = st.integers(-3, 3)
@@ -319,7 +319,7 @@ def test_any_simple_polygon_is_parted_exactly(points: list[tuple[int, int]], cha
         points = points[: i + 1] + points[i + 1 : j + 1][::-1] + points[j + 1 :]
     if touching_sides(points) is not None or not twice_area(points):
         return
-    room = listed(points)
+    room = room_from_numbers(points)
     if chance.random() < 0.5:
         points = points[::-1]
     scaled = [[(Fraction(x), Fraction(y)) for x, y in piece] for piece in partition(points, [])]
@@ -345,7 +345,7 @@ def test_the_judge_of_rooms_sees_a_box_outside() -> None:
 
     def inside(*values: float, keep: float = 0) -> bool:
         a, b, c, d = (Fraction(str(v)) for v in values)
-        return box_is_inside(room, ((a, b), (c, d)), Fraction(str(keep)))
+        return contains_box(room, ((a, b), (c, d)), Fraction(str(keep)))
 
     assert inside(0, 0, 2, 2)
     assert inside(0, 0, 4, 2)
