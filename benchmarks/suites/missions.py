@@ -1,5 +1,7 @@
-"""`python -m benchmarks missions`: missions designed and proved, beside the mixed-integer programs of stlpy and published
-times."""
+"""`python -m benchmarks missions`: design and prove missions, beside the mixed-integer programs of stlpy and published times.
+
+benchmarks/command_line.py has the options. docs/missions.md describes missions.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from pathlib import Path
 
 from benchmarks.peers.milp import between, solved
 from benchmarks.suites.report import command, machine, number, record, table, versions
-from benchmarks.suites.scenarios import FAMILIES, Scenario, connected_stones, moving_mission, random_mission
+from benchmarks.suites.scenarios import SCENARIO_FAMILIES, Scenario, connected_stones, moving_mission, random_mission
 from stt_codegen.certify.claims import units_of_error
 from stt_codegen.certify.missions.proof import certify_mission
 from stt_codegen.controller.edge_errors import edge_error
@@ -23,16 +25,16 @@ from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
 
 TASKS = Path(__file__).parents[2] / "tasks"
-PUBLISHED = (  # names of tasks, and seconds as the authors state them in their code's comments; their machine is another
+PUBLISHED = (  # names of tasks, and the seconds that their authors state in their code's comments, for another machine
     ("robot over waypoints, in full", ("waypoints",), 808.0),
     ("the same in three legs", ("mission_leg1", "mission_leg2", "mission_leg3"), 808.0),
     ("one of two waypoints", ("either",), 97.0),
     ("spacecraft", ("spacecraft",), 97.0),
 )
-RANDOM = ((2, 10, 100), (2, 30, 100), (3, 10, 50))  # dimensions, unsafe sets, missions
-MOVING = ((2, 8, 40), (3, 10, 20))
-DEMAND = 0.98  # of random missions among sets that stand are carried out, or the command fails
-WORTH = (
+RANDOM_MISSIONS = ((2, 10, 100), (2, 30, 100), (3, 10, 50))  # dimensions, unsafe sets, number of missions
+MOVING_MISSIONS = ((2, 8, 40), (3, 10, 20))  # likewise, and the sets move
+REQUIRED_SHARE = 0.98  # of random missions among sets at rest that must be certified
+STRENGTHS = (  # of peers: who, better than ours, guarantees
     (
         "stlpy's programs",
         "any linear predicate, not only boxes; the most robust plan or the one of least cost; limits of u and dynamics in one "
@@ -45,13 +47,16 @@ WORTH = (
         "the tube at sampled times; between them where a Lipschitz constant of the whole is known and the samples are that dense",
     ),
 )
-REPEATS = 5  # of each published task
+REPEATS = 5  # runs of each published task
 
 
 @dataclass(frozen=True)
-class Run:
-    """One mission: milliseconds of search and programs, of the proof of P10, of the whole certificate;
-    least width, peak speed."""
+class MissionRun:
+    """The result of one mission.
+
+    design: milliseconds of search and linear programs. proof: of the mission's property (P10). certificate: of all properties.
+    width: smallest of the tube. speed: largest. refusal: why it is not certified.
+    """
 
     name: str
     certified: bool
@@ -60,79 +65,92 @@ class Run:
     certificate: float
     width: float
     speed: float
-    told: str = ""
+    refusal: str = ""
 
 
-def measured(name: str, text: str) -> Run:
-    """A mission once."""
-    return of_task(name, parse_task(text))
-
-
-def of_task(name: str, task: Task) -> Run:
+def run_mission(name: str, task: Task) -> MissionRun:
+    """Design and certify a mission once, and measure the time."""
     begin = time.perf_counter()
     try:
         design = design_tube(task)
     except SttError as error:
-        return Run(name, False, 1e3 * (time.perf_counter() - begin), 0.0, 0.0, 0.0, 0.0, str(error))
+        return MissionRun(name, False, 1e3 * (time.perf_counter() - begin), 0.0, 0.0, 0.0, 0.0, str(error))
     assert isinstance(design, RefinedDesign)
-    found, program = time.perf_counter(), build_program(task, design)
-    made = time.perf_counter()
+    design_seconds, program = time.perf_counter() - begin, build_program(task, design)
+    begin = time.perf_counter()
     certificate = certify(task, design, program)
-    proved = time.perf_counter()
+    certificate_seconds = time.perf_counter() - begin
+    begin = time.perf_counter()
     certify_mission(task, design, units_of_error(design, edge_error(design, program)))
-    alone = time.perf_counter() - proved
-    speed = max(float(v) for v in certificate.speed)
-    told = "" if certificate.holds else certificate.refusal()
-    took, alone, proof = (1e3 * v for v in (found - begin, alone, proved - made))
-    return Run(name, certificate.holds, took, alone, proof, float(certificate.minimum_width), speed, told)
+    proof_seconds = time.perf_counter() - begin
+    return MissionRun(
+        name=name,
+        certified=certificate.holds,
+        design=1e3 * design_seconds,
+        proof=1e3 * proof_seconds,
+        certificate=1e3 * certificate_seconds,
+        width=float(certificate.minimum_width),
+        speed=max(float(v) for v in certificate.speed),
+        refusal="" if certificate.holds else certificate.refusal(),
+    )
 
 
-def summary(title: str, runs: list[Run]) -> list[str]:
-    """A row about many missions."""
-    good = [run for run in runs if run.certified]
-    times = sorted(run.design for run in good) or [float("nan")]
-    late, proof = times[min(len(times) - 1, int(0.95 * len(times)))], statistics.median([r.proof for r in good] or [float("nan")])
-    widths = statistics.median([r.width for r in good] or [float("nan")])
-    return [title, f"{len(good)} of {len(runs)}", number(statistics.median(times)), number(late), number(proof), number(widths)]
+def run_text(name: str, text: str) -> MissionRun:
+    """Design and certify the mission of a task file once."""
+    return run_mission(name, parse_task(text))
+
+
+def summary_row(title: str, runs: list[MissionRun]) -> list[str]:
+    """Return the table's row about many missions; times and widths are of those that are certified."""
+    certified = [run for run in runs if run.certified]
+    times = sorted(run.design for run in certified) or [float("nan")]
+    late = times[min(len(times) - 1, int(0.95 * len(times)))]
+    proof = statistics.median([r.proof for r in certified] or [float("nan")])
+    width = statistics.median([r.width for r in certified] or [float("nan")])
+    return [
+        title, f"{len(certified)} of {len(runs)}", number(statistics.median(times)), number(late), number(proof), number(width)
+    ]  # fmt: skip
 
 
 def run_missions(count: int | None, limit: float, out: Path | None, as_json: bool, say: Callable[[str], None]) -> bool:
-    """`python -m benchmarks missions`. True where DEMAND of the random missions among standing sets are carried out, and every
-    scenario."""
-    measured("warm up", next(FAMILIES["stlpy"]()).text)
+    """Run all missions, and print the report or JSON. say: called with the name of each part that is done.
+
+    count: of random missions of each kind; None for the usual number. limit: seconds for each of stlpy's programs, 0 to leave
+    them out. Return whether every scenario ended as it must, and REQUIRED_SHARE of the random missions among sets at rest were
+    certified.
+    """
+    run_text("warm up", next(SCENARIO_FAMILIES["stlpy"]()).text)
     endless = Scenario("patrol of three regions, for ever", (TASKS / "watchman.toml").read_text())
-    every = [*(s for family in FAMILIES.values() for s in family()), endless]
-    scenarios = [(s, measured(s.name, s.text)) for s in every]
+    all_scenarios = [*(s for family in SCENARIO_FAMILIES.values() for s in family()), endless]
+    scenarios = [(s, run_text(s.name, s.text)) for s in all_scenarios]
     say(f"{len(scenarios)} scenarios")
-    peers = {s.name: list(_peers(s.text, limit)) for s in FAMILIES["stlpy"]()} if limit else {}
+    peers = {s.name: list(_peer_results(s.text, limit)) for s in SCENARIO_FAMILIES["stlpy"]()} if limit else {}
     say("programs of stlpy")
-    stones = [measured(s.name, s.text) for size in (100, 150) for s in connected_stones(size, 3)]
-    many: list[tuple[str, list[Run]]] = [("connected stones, 100 and 150", stones)]
-    for n, unsafe, most in RANDOM:
-        many.append(
-            (f"{n}-D, {unsafe} unsafe sets", [measured(str(k), random_mission(k, n, unsafe)) for k in range(count or most)])
-        )
-        say(many[-1][0])
-    for n, movers, most in MOVING:
-        runs = [measured(str(k), moving_mission(k, n, movers)) for k in range(min(count or most, most))]
-        many.append((f"{n}-D, {movers} sets that move, three windows of 2 s", runs))
-        say(many[-1][0])
+    stones = [run_text(s.name, s.text) for size in (100, 150) for s in connected_stones(size, 3)]
+    groups: list[tuple[str, list[MissionRun]]] = [("connected stones, 100 and 150", stones)]
+    for n, unsafe, usual_count in RANDOM_MISSIONS:
+        runs = [run_text(str(k), random_mission(k, n, unsafe)) for k in range(count or usual_count)]
+        groups.append((f"{n}-D, {unsafe} unsafe sets", runs))
+        say(groups[-1][0])
+    for n, unsafe, usual_count in MOVING_MISSIONS:
+        runs = [run_text(str(k), moving_mission(k, n, unsafe)) for k in range(min(count or usual_count, usual_count))]
+        groups.append((f"{n}-D, {unsafe} sets that move, three windows of 2 s", runs))
+        say(groups[-1][0])
     if as_json:
-        print(
-            json.dumps({"scenarios": [asdict(r) for _, r in scenarios], "random": {t: [asdict(r) for r in rs] for t, rs in many}})
-        )
+        random_runs = {title: [asdict(r) for r in runs] for title, runs in groups}
+        print(json.dumps({"scenarios": [asdict(r) for _, r in scenarios], "random": random_runs}))
     else:
-        text = _told(scenarios, peers, many)
+        text = _report(scenarios, peers, groups)
         print(text)
         if out is not None:
             record(out, "missions", text)
-    good = all(run.certified != s.closed for s, run in scenarios)
-    standing = many[: 1 + len(RANDOM)]
-    return good and all(sum(r.certified for r in runs) >= DEMAND * len(runs) for _, runs in standing)
+    scenarios_end_well = all(run.certified != s.is_infeasible for s, run in scenarios)
+    at_rest = groups[: 1 + len(RANDOM_MISSIONS)]
+    return scenarios_end_well and all(sum(r.certified for r in runs) >= REQUIRED_SHARE * len(runs) for _, runs in at_rest)
 
 
-def _peers(text: str, limit: float) -> Iterator[str]:
-    """What stlpy's two programs say of a scenario."""
+def _peer_results(text: str, limit: float) -> Iterator[str]:
+    """Yield the results of stlpy's standard and logarithmic programs for a scenario."""
     task = parse_task(text)
     for logarithmic in (False, True):
         answer = solved(task, logarithmic, limit)
@@ -143,39 +161,50 @@ def _peers(text: str, limit: float) -> Iterator[str]:
             yield f"{answer.seconds:.2g} s" + (f", wrong for {100 * wrong:.0f} % of its way" if wrong > 0 else "")
 
 
-def _told(scenarios: list[tuple[Scenario, Run]], peers: dict[str, list[str]], many: list[tuple[str, list[Run]]]) -> str:
+def _scenario_table(scenarios: list[tuple[Scenario, MissionRun]], peers: dict[str, list[str]]) -> str:
     rows = []
     for s, run in scenarios:
-        ours = ["refused", number(run.design), "", "", ""] if not run.certified else [
+        cells = ["refused", number(run.design), "", "", ""] if not run.certified else [
             "proved", number(run.design), number(run.proof), number(run.speed), number(run.width)
         ]  # fmt: skip
-        rows.append([s.name, *ours, *peers.get(s.name, ["", ""])])
-    first = table(
-        ["mission", "", "design [ms]", "P10 [ms]", "peak speed", "least width", "standard program", "logarithmic program"], rows
-    )
-    second = table(
-        ["random missions", "carried out", "design: median [ms]", "95 % [ms]", "P10: median [ms]", "least width: median"],
-        [summary(title, runs) for title, runs in many],
-    )
-    published = []
-    for title, names, theirs in PUBLISHED:
+        rows.append([s.name, *cells, *peers.get(s.name, ["", ""])])
+    head = ["mission", "", "design [ms]", "P10 [ms]", "peak speed", "least width", "standard program", "logarithmic program"]
+    return table(head, rows)
+
+
+def _published_table() -> str:
+    """Build the published tasks, and return the seconds beside those of their authors."""
+    rows = []
+    for title, names, published_seconds in PUBLISHED:
         times = []
         for _ in range(REPEATS):
             begin = time.perf_counter()
             for name in names:
                 build(TASKS / f"{name}.toml", "refined", "float")  # raises where it is not certified
             times.append(time.perf_counter() - begin)
-        ours_ = statistics.median(times)
-        published.append([title, f"{ours_:.3f}", f"{times[0]:.3f}", f"{theirs:g}", f"{theirs / ours_:.0f}"])
-    third = table(
-        ["published task, to certified C", "seconds", "the first time", "published seconds", "times as long"], published
+        median = statistics.median(times)
+        rows.append([title, f"{median:.3f}", f"{times[0]:.3f}", f"{published_seconds:g}", f"{published_seconds / median:.0f}"])
+    return table(["published task, to certified C", "seconds", "the first time", "published seconds", "times as long"], rows)
+
+
+NOTE = (
+    "The programs are those of stlpy (Kurtz and Lin, 2022) in HiGHS, one thread: a double integrator at samples a second "
+    "apart, any solution. Their samples satisfy the formula; between samples the straight way may be in an unsafe set, or "
+    "off every stone. Of the stepping stones of seed 1 no continuous solution exists: the stones are not connected. Ours are "
+    "tubes for plants that nobody knows, proved for all times. Published seconds are the authors', for synthesis by an SMT "
+    'solver at sampled times on another machine; of "one of two waypoints" those of the faster choice.'
+)
+
+
+def _report(
+    scenarios: list[tuple[Scenario, MissionRun]], peers: dict[str, list[str]], groups: list[tuple[str, list[MissionRun]]]
+) -> str:
+    """Return all tables as Markdown. peers: results of stlpy's two programs, by scenario. groups: runs of random missions."""
+    random_table = table(
+        ["random missions", "carried out", "design: median [ms]", "95 % [ms]", "P10: median [ms]", "least width: median"],
+        [summary_row(title, runs) for title, runs in groups],
     )
-    note = (
-        "The programs are those of stlpy (Kurtz and Lin, 2022) in HiGHS, one thread: a double integrator at samples a second "
-        "apart, any solution. Their samples satisfy the formula; between samples the straight way may be in an unsafe set, or "
-        "off every stone. Of the stepping stones of seed 1 no continuous solution exists: the stones are not connected. Ours are "
-        "tubes for plants that nobody knows, proved for all times. Published seconds are the authors', for synthesis by an SMT "
-        'solver at sampled times on another machine; of "one of two waypoints" those of the faster choice.'
-    )
-    worth = f"{table(['who', 'better than ours', 'guarantees'], WORTH)}\n\n" if peers else ""
-    return f"## Missions\n\nMade by `{command()}`; {machine()}{versions()}.\n\n{first}\n\n{note}\n\n{worth}{second}\n\n{third}"
+    strengths = f"{table(['who', 'better than ours', 'guarantees'], STRENGTHS)}\n\n" if peers else ""
+    origin = f"Made by `{command()}`; {machine()}{versions()}."
+    tables = f"{_scenario_table(scenarios, peers)}\n\n{NOTE}\n\n{strengths}{random_table}\n\n{_published_table()}"
+    return f"## Missions\n\n{origin}\n\n{tables}"

@@ -1,7 +1,7 @@
-"""Missions to measure on, as the text of task files: those of stlpy (Kurtz and Lin, IEEE L-CSS 6, 2022), own ones, random ones.
+"""Missions for benchmarks, as texts of task files: stlpy's (Kurtz and Lin, IEEE L-CSS 6, 2022), the project's, and random ones.
 
-One step of stlpy is a second here. Starts are boxes of a quarter to either side, the clearance is 0.03 unless a scenario says
-otherwise, and no speed is given: the slowest tube counts.
+One step of stlpy is a second here. A start is a box of 0.25 to each side, and the clearance is 0.03, unless a scenario says
+otherwise. No speed is limited: the slowest tube is designed.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ import numpy as np
 from stt_codegen.design.half_spaces import Array
 
 Box = Sequence[float]  # x0 x1 y0 y1 ..
-ROOM = 0.25  # half width of a start
+START_HALF_WIDTH = 0.25
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A task file, and what is asked of it in a table."""
+    """A mission. name: in tables. text: of the task file. is_infeasible: whether it must be refused, because no plan exists."""
 
     name: str
     text: str
-    closed: bool = False  # there is no plan, and it must be said
+    is_infeasible: bool = False
 
 
 def _vector(values: Sequence[float]) -> str:
@@ -39,31 +39,37 @@ def task_of(
     time: float,
     start: Sequence[float],
     space: Box,
+    *,
     unsafe: Sequence[Box],
     regions: Mapping[str, Box],
-    more: str,
-    room: float = ROOM,
+    entries: str,
+    start_half_width: float = START_HALF_WIDTH,
     tube: str = "",
 ) -> str:
-    """A task file: the start's middle, the state space, unsafe sets, regions by name, and entries of the mission as TOML."""
+    """Return the text of a task file.
+
+    time: prescribed, seconds. start: its middle. space: the state space. regions: by name. entries: further tables as TOML, such
+    as those of the mission. tube: the lines of [tube].
+    """
+    lower, upper = ([v + sign * start_half_width for v in start] for sign in (-1, 1))
     parts = [
         f'name = "{name}"\nprescribed_time = {time:g}\ninitial_state = {_vector(start)}\n',
         f"[state_space]\nlower = {_vector(space[::2])}\nupper = {_vector(space[1::2])}\n",
-        f"[initial_set]\nlower = {_vector([v - room for v in start])}\nupper = {_vector([v + room for v in start])}\n",
+        f"[initial_set]\nlower = {_vector(lower)}\nupper = {_vector(upper)}\n",
         *(_set("unsafe", f"O{j}", box) for j, box in enumerate(unsafe, 1)),
         *(_set("region", key, box) for key, box in regions.items()),
-        more,
+        entries,
         f"[tube]\n{tube}\n" if tube else "",
     ]  # fmt: skip
     return "\n".join(parts)
 
 
 def formulas(*texts: str) -> str:
-    """Entries of a mission that are formulas."""
+    """Return the entries of a mission that has these formulas."""
     return "\n".join(f'[[mission]]\nformula = "{text}"\n' for text in texts)
 
 
-TEN = (0, 10, 0, 10)
+SPACE = (0, 10, 0, 10)  # x0 x1 y0 y1 of the state space, of stlpy and ours
 WALLS = ((8, 15, 0, 4), (8, 15, 6, 10), (3.5, 5, 0, 2.5), (0, 2.5, 4, 6), (3.5, 5, 7.5, 10))
 DOORS = ((12.8, 14, 3.99, 6.01), (11.5, 12.7, 3.99, 6.01), (10.2, 11.4, 3.99, 6.01), (8.9, 10.1, 3.99, 6.01))
 KEYS = ((1, 2, 1, 2), (1, 2, 8, 9), (6, 7, 8, 9), (6, 7, 1, 2))
@@ -81,111 +87,155 @@ STONES = (
 )  # fmt: skip
 
 
-def stlpy() -> Iterator[Scenario]:
-    """stlpy's scenarios; the sizes of its own files."""
+def stlpy_scenarios() -> Iterator[Scenario]:
+    """Yield the scenarios of stlpy's example files, with the numbers of these files."""
     goal, block = {"goal": (7, 8, 8, 9)}, [(3, 5, 4, 6)]
     for time in (10, 20):
-        text = task_of("reach", time, (1, 2), TEN, block, goal, formulas(f"eventually[0, {time}] goal"), tube="clearance = 0")
+        text = task_of(
+            "reach",
+            time,
+            (1, 2),
+            SPACE,
+            unsafe=block,
+            regions=goal,
+            entries=formulas(f"eventually[0, {time}] goal"),
+            tube="clearance = 0",
+        )
         yield Scenario(f"reach-avoid, {time} s", text)
     either = {**goal, "t1": (1, 2, 6, 7), "t2": (7, 8, 4.5, 5.5)}
-    wanted = formulas("eventually[0, 15] (always[0, 5] t1 or always[0, 5] t2)", "eventually[0, 20] goal")
-    yield Scenario("either-or, 20 s", task_of("either", 20, (2, 2), TEN, block, either, wanted, tube="clearance = 0"))
+    mission = formulas("eventually[0, 15] (always[0, 5] t1 or always[0, 5] t2)", "eventually[0, 20] goal")
+    yield Scenario(
+        "either-or, 20 s",
+        task_of("either", 20, (2, 2), SPACE, unsafe=block, regions=either, entries=mission, tube="clearance = 0"),
+    )
     narrow = [(2, 5, 4, 6), (5.5, 9, 3.8, 5.7), (4.6, 8, 0.5, 3.5), (2.2, 4.4, 6.4, 10)]
     goals = {"g1": (7, 8, 8, 9), "g2": (9.5, 10.5, 1.5, 2.5)}
-    wanted = formulas("eventually[0, 25] (g1 or g2)")
-    yield Scenario("narrow passage, 25 s", task_of("narrow", 25, (3, 3.6), TEN, narrow, goals, wanted, tube="clearance = 0"))
+    mission = formulas("eventually[0, 25] (g1 or g2)")
+    yield Scenario(
+        "narrow passage, 25 s",
+        task_of("narrow", 25, (3, 3.6), SPACE, unsafe=narrow, regions=goals, entries=mission, tube="clearance = 0"),
+    )
     for doors, time in ((2, 25), (4, 50)):
         regions = {"goal": (14.1, 14.9, 4.1, 5.9)}
         for k in range(doors):
             regions |= {f"door{k}": DOORS[k], f"key{k}": KEYS[k]}
-        wanted = formulas(*(f"not door{k} until[0, {time}] key{k}" for k in range(doors)), f"eventually[0, {time}] goal")
-        text = task_of("doors", time, (6, 1), (0, 15, 0, 10), WALLS, regions, wanted, tube="clearance = 0")
+        mission = formulas(*(f"not door{k} until[0, {time}] key{k}" for k in range(doors)), f"eventually[0, {time}] goal")
+        text = task_of(
+            "doors", time, (6, 1), (0, 15, 0, 10), unsafe=WALLS, regions=regions, entries=mission, tube="clearance = 0"
+        )
         yield Scenario(f"door puzzle {doors}, {time} s", text)
     regions = {f"t{k}{'ab'[j]}": box for k, pair in enumerate(PAIRS) for j, box in enumerate(pair)}
-    wanted = formulas(*(f"eventually[0, 25] (t{k}a or t{k}b)" for k in range(len(PAIRS))))
+    mission = formulas(*(f"eventually[0, 25] (t{k}a or t{k}b)" for k in range(len(PAIRS))))
     many = [(4.9393, 6.9393, 6.4367, 8.4367)]
-    yield Scenario("many-target, 25 s", task_of("targets", 25, (5, 2), TEN, many, regions, wanted, tube="clearance = 0"))
-    yield Scenario("stepping stones, seed 1, 15 s", stones([(*s,) for s in STONES], 15, (2, 1.3), 0.05, 0.02), closed=True)
+    yield Scenario(
+        "many-target, 25 s",
+        task_of("targets", 25, (5, 2), SPACE, unsafe=many, regions=regions, entries=mission, tube="clearance = 0"),
+    )
+    yield Scenario(
+        "stepping stones, seed 1, 15 s", stepping_stones([(*s,) for s in STONES], 15, (2, 1.3), 0.05, 0.02), is_infeasible=True
+    )
 
 
-def stones(corners: Sequence[Sequence[float]], time: float, start: Sequence[float], room: float, width: float) -> str:
-    """Unit squares of which the tube must always be on some, and at last on the last."""
+def stepping_stones(
+    corners: Sequence[Sequence[float]], time: float, start: Sequence[float], start_half_width: float, width: float
+) -> str:
+    """Return a task in which the tube must always be in one of the unit squares, and at some time in the last."""
     regions = {f"s{k}": (x, x + 1, y, y + 1) for k, (x, y) in enumerate(corners)}
-    on = " or ".join(regions)
-    wanted = formulas(f"always[0, {time:g}] ({on})", f"eventually[0, {time:g}] s{len(corners) - 1}")
-    return task_of("stones", time, start, TEN, [], regions, wanted, room, f"clearance = 0\nmin_width = {width:g}")
+    any_stone = " or ".join(regions)
+    mission = formulas(f"always[0, {time:g}] ({any_stone})", f"eventually[0, {time:g}] s{len(corners) - 1}")
+    return task_of(
+        "stones",
+        time,
+        start,
+        SPACE,
+        unsafe=[],
+        regions=regions,
+        entries=mission,
+        start_half_width=start_half_width,
+        tube=f"clearance = 0\nmin_width = {width:g}",
+    )
 
 
-def connected_stones(count: int, most: int) -> Iterator[Scenario]:
-    """Random stones of which the first and the last are joined by stones that overlap by more than 0.12, and far apart."""
-    found = 0
+def connected_stones(count: int, limit: int) -> Iterator[Scenario]:
+    """Yield at most `limit` scenarios of `count` random stones.
+
+    Stones that overlap by more than 0.12 connect the first with the last, which is more than 5 away.
+    """
+    scenario_count = 0
     for seed in range(400):
-        draw = np.random.default_rng(seed)
-        corners = draw.uniform(0, 9, (count, 2))
+        rng = np.random.default_rng(seed)
+        corners = rng.uniform(0, 9, (count, 2))
         overlap = 1 - np.abs(corners[:, None] - corners[None]).max(axis=2)
-        seen, front = {0}, [0]
-        while front:
-            here = front.pop()
-            fresh = [j for j in np.nonzero(overlap[here] > 0.12)[0].tolist() if j not in seen]
-            seen.update(fresh)
-            front += fresh
-        if count - 1 in seen and np.abs(corners[0] - corners[-1]).max() > 5:
+        reached, queue = {0}, [0]
+        while queue:
+            stone = queue.pop()
+            neighbours = [j for j in np.nonzero(overlap[stone] > 0.12)[0].tolist() if j not in reached]
+            reached.update(neighbours)
+            queue += neighbours
+        if count - 1 in reached and np.abs(corners[0] - corners[-1]).max() > 5:
             middle = corners[0] + 0.5
-            yield Scenario(f"{count} stones, seed {seed}, 40 s", stones(corners.tolist(), 40, middle.tolist(), 0.1, 0.05))
-            found += 1
-            if found == most:
+            yield Scenario(
+                f"{count} stones, seed {seed}, 40 s", stepping_stones(corners.tolist(), 40, middle.tolist(), 0.1, 0.05)
+            )
+            scenario_count += 1
+            if scenario_count == limit:
                 return
 
 
-PILLARS = ((3, 4, 1, 4), (6, 7, 5, 9), (2, 3, 6, 7), (7, 8.5, 2, 3.5))
-ROOMS = {
+UNSAFE_SETS = ((3, 4, 1, 4), (6, 7, 5, 9), (2, 3, 6, 7), (7, 8.5, 2, 3.5))
+REGIONS = {
     "a": (1, 2, 8, 9), "b": (8.5, 9.5, 8, 9), "c": (8.5, 9.5, 0.5, 1.5), "d": (4.5, 5.5, 0.5, 1.5), "e": (4.5, 5.5, 4.5, 5.5),
     "f": (0.5, 1.5, 4, 5), "g": (4.2, 5.2, 8, 9), "h": (8.6, 9.6, 4.6, 5.6),
 }  # fmt: skip
 
 
-def own() -> Iterator[Scenario]:
-    """Missions as users have them: a patrol, a response, a stay and what follows, eight visits."""
+def project_scenarios() -> Iterator[Scenario]:
+    """Yield missions as users have them: a patrol, a response, a stay with a deadline after it, and three of eight visits."""
 
-    def made(name: str, title: str, time: float, regions: str, more: str) -> Scenario:
-        chosen = {key: ROOMS[key] for key in regions}
-        return Scenario(title, task_of(name, time, (0.6, 0.6), TEN, PILLARS, chosen, more))
+    def scenario_of(name: str, title: str, time: float, regions: str, entries: str) -> Scenario:
+        boxes = {key: REGIONS[key] for key in regions}
+        return Scenario(title, task_of(name, time, (0.6, 0.6), SPACE, unsafe=UNSAFE_SETS, regions=boxes, entries=entries))
 
-    yield made("patrol", "patrol of two regions", 40, "ae", '[[mission]]\npatrol = ["a", "e"]\nevery = 14\n')
-    yield made("respond", "response", 30, "ae", formulas("eventually[0, 12] a", "always[0, 18] (not a or eventually[0, 8] e)"))
+    yield scenario_of("patrol", "patrol of two regions", 40, "ae", '[[mission]]\npatrol = ["a", "e"]\nevery = 14\n')
+    yield scenario_of(
+        "respond", "response", 30, "ae", formulas("eventually[0, 12] a", "always[0, 18] (not a or eventually[0, 8] e)")
+    )
     stay = '[[mission]]\nvisit = "a"\nbetween = [4, 12]\nstay = 3\nthen = "b"\nwithin = 8\n'
     stay += '\n[[mission]]\nnever = "e"\nbefore = "b"\n'
-    yield made("stay", "stay, then, never before", 30, "abe", stay)
+    yield scenario_of("stay", "stay, then, never before", 30, "abe", stay)
     order = "eventually[0, 60] (f and eventually[0, 60] (a and eventually[0, 60] (g and eventually[0, 60] (e and "
     order += "eventually[0, 60] (d and eventually[0, 60] (c and eventually[0, 60] (h and eventually[0, 60] b)))))))"
-    yield made("inorder", "eight visits in order", 60, "abcdefgh", formulas(order))
+    yield scenario_of("inorder", "eight visits in order", 60, "abcdefgh", formulas(order))
     free = "\n".join(f'[[mission]]\nvisit = "{k}"\n' for k in "abcdefgh")
-    yield made("anyorder", "eight visits in any order", 60, "abcdefgh", free)
+    yield scenario_of("anyorder", "eight visits in any order", 60, "abcdefgh", free)
     windows = {"a": (5, 20), "c": (20, 35), "e": (35, 50), "h": (10, 30)}
     timed = "\n".join(
         f'[[mission]]\nvisit = "{k}"\n' + (f"between = [{windows[k][0]}, {windows[k][1]}]\n" if k in windows else "")
         for k in "abcdefgh"
     )
-    yield made("windowed", "eight visits, four windows", 60, "abcdefgh", timed)
+    yield scenario_of("windowed", "eight visits, four windows", 60, "abcdefgh", timed)
 
 
 def random_mission(seed: int, n: int, unsafe: int) -> str:
-    """Visits in two windows, one with a stay, a choice of two regions, and a door that needs a key, among unsafe boxes."""
-    draw, visits = np.random.default_rng(seed), 5
+    """Return the text of a random mission among unsafe boxes.
+
+    It has a visit in a window with a stay, one in another window, one of two regions, and a door that needs a key.
+    """
+    rng, visits = np.random.default_rng(seed), 5
     start = np.array([[0.3] * n, [0.8] * n])
     sets: list[Array] = []
     while len(sets) < unsafe:
-        low = draw.uniform(0, 8.5, n)
-        box = np.array([low, low + draw.uniform(0.6, 2, n)])
-        if _apart(box, [start], 0.6):
+        low = rng.uniform(0, 8.5, n)
+        box = np.array([low, low + rng.uniform(0.6, 2, n)])
+        if _is_apart(box, [start], 0.6):
             sets.append(box)
     regions: list[Array] = []
     while len(regions) < visits + 2:
-        low = draw.uniform(0, 9, n)
+        low = rng.uniform(0, 9, n)
         box = np.array([low, low + 1.0])
-        if _apart(box, [*sets, start, *regions], 0.15):
+        if _is_apart(box, [*sets, start, *regions], 0.15):
             regions.append(box)
-    first, last = draw.uniform(2, 15), draw.uniform(8, 24)
+    first, last = rng.uniform(2, 15), rng.uniform(8, 24)
     entries = [
         f'[[mission]]\nvisit = "r0"\nbetween = [{first:.4f}, {first + 5:.4f}]\nstay = 2\n',
         f'[[mission]]\nvisit = "r1"\nbetween = [{last:.4f}, {last + 5:.4f}]\n',
@@ -196,28 +246,34 @@ def random_mission(seed: int, n: int, unsafe: int) -> str:
     boxes = {f"r{k}": box.T.ravel().tolist() for k, box in enumerate(regions)}
     middle = [0.55] * n
     return task_of(
-        f"r{seed}", 30, middle, (0, 10) * n, [b.T.ravel().tolist() for b in sets], boxes, "\n".join([choice, *entries])
+        f"r{seed}",
+        30,
+        middle,
+        (0, 10) * n,
+        unsafe=[b.T.ravel().tolist() for b in sets],
+        regions=boxes,
+        entries="\n".join([choice, *entries]),
     )
 
 
-def _apart(box: Array, others: Sequence[Array], gap: float) -> bool:
-    return all(bool((box[0] - gap > o[1]).any() or (box[1] + gap < o[0]).any()) for o in others)
+def _is_apart(box: Array, boxes: Sequence[Array], gap: float) -> bool:
+    return all(bool((box[0] - gap > b[1]).any() or (box[1] + gap < b[0]).any()) for b in boxes)
 
 
-def moving_mission(seed: int, n: int, movers: int) -> str:
-    """Three visits, each in a window of two seconds, among unit boxes that move."""
-    draw, size, time, side = np.random.default_rng(seed), 1.0, 9.0, 5.0
+def moving_mission(seed: int, n: int, set_count: int) -> str:
+    """Return the text of a mission of three visits, each in a window of two seconds, among unit boxes that move."""
+    rng, size, time, side = np.random.default_rng(seed), 1.0, 9.0, 5.0
     while True:
-        low, speed = draw.uniform(0, side - size, (movers, n)), draw.uniform(-0.4, 0.4, (movers, n))
-        last = low + speed * time
-        starts = (low < 0.6).all(axis=1).any()
-        ends = ((last + size > side - 0.6) & (last < side + 0.1)).all(axis=1).any()
-        if not starts and not ends:
+        low, speed = rng.uniform(0, side - size, (set_count, n)), rng.uniform(-0.4, 0.4, (set_count, n))
+        low_at_end = low + speed * time
+        meets_start = (low < 0.6).all(axis=1).any()
+        meets_target = ((low_at_end + size > side - 0.6) & (low_at_end < side + 0.1)).all(axis=1).any()
+        if not meets_start and not meets_target:
             break
-    draw = np.random.default_rng(seed + 999)
+    rng = np.random.default_rng(seed + 999)
     boxes, entries = {}, []
     for k in range(3):
-        corner, begin = draw.uniform(0.3, side - 1.3, n), draw.uniform(0.5, 6)
+        corner, begin = rng.uniform(0.3, side - 1.3, n), rng.uniform(0.5, 6)
         boxes[f"r{k}"] = np.stack([corner, corner + 0.8], axis=1).ravel().tolist()
         entries.append(f'[[mission]]\nvisit = "r{k}"\nbetween = [{begin:.4f}, {begin + 2:.4f}]\n')
     sets = [
@@ -226,8 +282,8 @@ def moving_mission(seed: int, n: int, movers: int) -> str:
         for j, (a, v) in enumerate(zip(low, speed, strict=True))
     ]
     target = _set("target_set", "", [v for _ in range(n) for v in (side - 0.5, side)]).replace("[[target_set]]", "[target_set]")
-    more = "\n".join([target.replace('name = ""\n', ""), *sets, *entries])
-    return task_of(f"m{seed}", time, [0.25] * n, (0, side) * n, [], boxes, more, 0.24)
+    tables = "\n".join([target.replace('name = ""\n', ""), *sets, *entries])
+    return task_of(f"m{seed}", time, [0.25] * n, (0, side) * n, unsafe=[], regions=boxes, entries=tables, start_half_width=0.24)
 
 
-FAMILIES: dict[str, Callable[[], Iterator[Scenario]]] = {"stlpy": stlpy, "own": own}
+SCENARIO_FAMILIES: dict[str, Callable[[], Iterator[Scenario]]] = {"stlpy": stlpy_scenarios, "own": project_scenarios}

@@ -18,8 +18,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from benchmarks.mission_mutants import judged
-from benchmarks.suites.scenarios import FAMILIES, random_mission
+from benchmarks.mission_mutants import judge_mutant
+from benchmarks.suites.scenarios import SCENARIO_FAMILIES, random_mission
 from stt_codegen.certify import checker
 from stt_codegen.certify.missions.schedule import describe_entry, phases, served_entries
 from stt_codegen.certify.monitor import holds, satisfied
@@ -370,9 +370,9 @@ def test_phases_follow_the_visits() -> None:
     assert b"phase" not in controller.files["courier.c"]
 
 
-@pytest.mark.parametrize("name", [s.name for family in FAMILIES.values() for s in family() if not s.closed])
+@pytest.mark.parametrize("name", [s.name for family in SCENARIO_FAMILIES.values() for s in family() if not s.is_infeasible])
 def test_the_scenarios_of_the_benchmark_are_certified_and_accepted(name: str, tmp_path: Path) -> None:
-    (scenario,) = (s for family in FAMILIES.values() for s in family() if s.name == name)
+    (scenario,) = (s for family in SCENARIO_FAMILIES.values() for s in family() if s.name == name)
     assert exit_code_of_checker(built(parse_task(scenario.text)), scenario.text, tmp_path) == 0
 
 
@@ -406,7 +406,7 @@ def test_random_missions_are_carried_out_by_every_trajectory(n: int, tmp_path: P
 
 
 def test_stones_without_a_route_are_refused_with_the_reason() -> None:
-    (scenario,) = (s for s in FAMILIES["stlpy"]() if s.closed)
+    (scenario,) = (s for s in SCENARIO_FAMILIES["stlpy"]() if s.is_infeasible)
     with pytest.raises(NotCertified, match=r"mission \(P10\): no order .* without mission\[0\]"):
         built(parse_task(scenario.text))
 
@@ -655,10 +655,10 @@ def test_the_monitor_of_rtamt_agrees_about_every_run(name: str, gain: str) -> No
 def test_no_certified_mutant_is_broken_by_a_trajectory_and_without_the_monitor_some_are(monkeypatch: pytest.MonkeyPatch) -> None:
     """The oracle searches trajectories inside the tube that break the mission; the second half replaces the tool's monitor."""
     numbers = range(80)
-    assert not [n for n in numbers if (judgement := judged(n)) and judgement[1] and judgement[2]]
+    assert not [n for n in numbers if (judgement := judge_mutant(n)) and judgement.is_certified and judgement.is_broken]
     monkeypatch.setattr(sys.modules["stt_codegen.certify.missions.proof"], "holds", lambda *_: True)
     monkeypatch.setattr(sys.modules["stt_codegen.certify.missions.proof"], "witnesses", lambda *_: ())
-    assert [n for n in numbers if (judgement := judged(n)) and judgement[1] and judgement[2]]
+    assert [n for n in numbers if (judgement := judge_mutant(n)) and judgement.is_certified and judgement.is_broken]
 
 
 def test_eight_visits_do_not_change_the_c_of_a_step() -> None:
@@ -674,7 +674,7 @@ def test_eight_visits_do_not_change_the_c_of_a_step() -> None:
         text = re.sub(r"(?<=coefficients\[)\d+|\{[-\d., F\n{}e]*\};", "N", text)
         return re.sub(r"-?\b\d+\.?\d*(e-?\d+)?F?\b", "N", text)
 
-    (scenario,) = (s for s in FAMILIES["own"]() if s.name == "eight visits, four windows")
+    (scenario,) = (s for s in SCENARIO_FAMILIES["own"]() if s.name == "eight visits, four windows")
     controller = built(parse_task(scenario.text))
     with_one_target = built(
         parse_task(scenario.text[: scenario.text.index("[[region]]")] + "[target_set]\nlower = [8.5, 8]\nupper = [9.5, 9]\n")
