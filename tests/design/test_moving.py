@@ -31,7 +31,7 @@ from stt_codegen.task.load import parse_task
 from stt_codegen.task.sets.motion import Course
 from stt_codegen.task.task import Task
 from tests.support.controllers import built
-from tests.task.test_shapes import checked
+from tests.task.test_shapes import checker_exit_code
 
 HEAD = """name = "hall"
 prescribed_time = 9
@@ -146,7 +146,7 @@ def test_a_tube_among_moving_sets_is_certified_accepted_and_without_a_fault(
 ) -> None:
     controller = controllers[name]
     assert controller.certificate.holds
-    assert checked(TEXTS[name], controller.files, tmp_path) == 0
+    assert checker_exit_code(TEXTS[name], controller.files, tmp_path) == 0
     assert first_fault(controller.task, controller.design) is None
     plain = built(parse_task(PLAIN))
     assert cost_of(controller.program, "control") == cost_of(plain.program, "control")
@@ -177,7 +177,7 @@ def test_with_growing_uncertainty_tool_and_checker_refuse_at_the_same_step_and_n
         )
         assert parse_task(text).courses == task.courses
         assert (
-            checked(text, render(parse_task(text), design, controllers[name].program, certificate), tmp_path) == 0
+            checker_exit_code(text, render(parse_task(text), design, controllers[name].program, certificate), tmp_path) == 0
         ) == certificate.holds
         assert not certificate.tube_holds or first_fault(task, design) is None
     assert verdicts == sorted(verdicts, reverse=True)
@@ -293,7 +293,7 @@ def test_a_moving_target_is_reached_where_it_is_at_t_c(tmp_path: Path) -> None:
     text = PLAIN + "motion = [{at = 0, by = [-4, 0]}, {at = 6, by = [-2, -1.5]}]\n"
     controller = built(parse_task(text))
     assert controller.certificate.holds
-    assert checked(text, controller.files, tmp_path) == 0
+    assert checker_exit_code(text, controller.files, tmp_path) == 0
     (lower_1, upper_1), (lower_2, upper_2) = (
         [float(v) * float(controller.design.unit) for v in (edges[0].sum(), edges[1].sum())] for edges in final_edges(controller)
     )
@@ -313,7 +313,7 @@ def test_a_target_of_several_constraints_moves_with_all_of_them(target: str, tmp
     text = PLAIN.replace("lower = [4.5, 4.5]\nupper = [5, 5]\n", target)
     controller = built(parse_task(text))
     assert controller.certificate.holds
-    assert checked(text, controller.files, tmp_path) == 0
+    assert checker_exit_code(text, controller.files, tmp_path) == 0
     assert first_fault(controller.task, controller.design) is None
 
 
@@ -338,7 +338,7 @@ lower = {corners[0]}
 upper = {corners[1]}
 {motion}"""
     controller = built(parse_task(text))
-    assert checked(text, controller.files, tmp_path) == 0
+    assert checker_exit_code(text, controller.files, tmp_path) == 0
 
 
 def test_a_tube_waits_for_a_door_and_then_moves_fast() -> None:

@@ -1,4 +1,4 @@
-"""Axes that close: which turn is meant, what the tube keeps clear of at every turn, and the C that counts turns."""
+"""Axes that close, such as an angle: the turn of the target, the images of unsafe sets at every turn, and the C that counts turns."""
 
 from __future__ import annotations
 
@@ -90,12 +90,12 @@ def with_period(text: str, value: str) -> str:
 
 
 @cache
-def the_turner(text: str = TURNER) -> EmittedController:
+def turner_controller(text: str = TURNER) -> EmittedController:
     return built(parse_task(text))
 
 
-def checked(controller: EmittedController, text: str, folder: Path) -> int:
-    """The stand-alone checker's answer to a task's own text: it spells turns out by itself."""
+def checker_exit_code(controller: EmittedController, text: str, folder: Path) -> int:
+    """Return the exit code of the stand-alone checker for the text of a task with turns, which the checker expands by itself."""
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
     (folder / "task.toml").write_text(text)
@@ -104,7 +104,7 @@ def checked(controller: EmittedController, text: str, folder: Path) -> int:
 
 
 def box_task(**changes: Any) -> dict[str, Any]:
-    """A task in the plane of x and an angle, as it is written in Python."""
+    """Return the fields of a task in the plane of x and an angle; a change to None leaves a field out."""
     fields: dict[str, Any] = {
         "name": "arm",
         "axes": ["x", "yaw"],
@@ -118,14 +118,14 @@ def box_task(**changes: Any) -> dict[str, Any]:
     return {name: value for name, value in {**fields, **changes}.items() if value is not None}
 
 
-# --------------------------------------------------------------------------------------------------- which turn is meant
+# --------------------------------------------------------------------------------------------------- the turn of the target
 
 
 @pytest.mark.parametrize(
     ("start", "target", "turns"), [(3.0, -3.0, 1), (-3.0, 3.0, -1), (0.0, 3.0, 0), (12.0, 0.0, 2), (-9.0, 3.0, -2)]
 )
-def test_the_target_is_taken_at_the_image_that_is_nearest_to_the_start(start: float, target: float, turns: int) -> None:
-    """By brute force over a hundred turns; and with the state space, any angle, there is room for half a turn around both."""
+def test_the_target_is_the_image_that_is_nearest_to_the_start(start: float, target: float, turns: int) -> None:
+    """The turn is compared with the best of a hundred. The state space leaves half a turn on both sides of start and target."""
     task = Task(
         **box_task(
             initial_state=[0.5, start],
@@ -137,15 +137,15 @@ def test_the_target_is_taken_at_the_image_that_is_nearest_to_the_start(start: fl
     period = Fraction(str(2 * math.pi))
     middle = Fraction(str(target)) + Fraction(1, 10)
     assert axis.target_turns == min(range(-50, 51), key=lambda k: abs(middle + k * period - Fraction(str(start)))) == turns
-    shrunk = abs(turns) * axis.drift
-    assert task.target.lower[1] == Fraction(str(target)) + turns * period + shrunk
-    assert task.target.upper[1] == Fraction(str(target)) + Fraction(1, 5) + turns * period - shrunk
-    ends = (*(task.target.lower[1] - shrunk, task.target.upper[1] + shrunk), task.start.lower[1], task.start.upper[1])
+    inset = abs(turns) * axis.drift  # the target is shrunk by what the period may be wrong
+    assert task.target.lower[1] == Fraction(str(target)) + turns * period + inset
+    assert task.target.upper[1] == Fraction(str(target)) + Fraction(1, 5) + turns * period - inset
+    ends = (*(task.target.lower[1] - inset, task.target.upper[1] + inset), task.start.lower[1], task.start.upper[1])
     assert task.state_space.lower[1] == min(ends) - period / 2
     assert task.state_space.upper[1] == max(ends) + period / 2
 
 
-def test_where_the_state_space_is_a_limit_only_images_within_it_count() -> None:
+def test_only_images_within_a_limited_state_space_count() -> None:
     limited = box_task(state_space={"lower": [0, -3.14], "upper": [5, 3.14]})
     task = Task(**limited)
     assert (task.closed_axes[0].target_turns, task.closed_axes[0].nearest_turns) == (0, 1)
@@ -159,10 +159,10 @@ def test_where_the_state_space_is_a_limit_only_images_within_it_count() -> None:
         Task(**box_task(state_space={"lower": [0, 2], "upper": [5, 3.2]}))
 
 
-def test_a_task_in_python_is_that_of_a_file_and_stays_the_one_that_was_stated() -> None:
-    """Digest, spelling out, pickling, validation once more and `changed` all go back to what was stated, not to what was made of it."""
-    given = parse_task(TURNER)
-    made = Task(
+def test_a_task_in_python_equals_that_of_a_file_and_stays_as_it_was_stated() -> None:
+    """Digest, images, pickling, a second validation and `changed` all start from the stated task, not from the expanded one."""
+    task = parse_task(TURNER)
+    task_in_python = Task(
         name="turner", axes=["x", "yaw"], units=["m", "rad"], periodic={"yaw": 6.283}, prescribed_time=10, initial_state=[0.5, 15.5],
         state_space={"lower": [0, -3.1416], "upper": [5, 3.2584]}, initial_set={"lower": [0.3, 15.3], "upper": [0.7, 15.7]},
         target_set={"lower": [4.0, -2.9], "upper": [4.7, -2.4]}, control={"period": 0.01}, plant={"noise": 0.001, "w_max": 0.1},
@@ -170,24 +170,24 @@ def test_a_task_in_python_is_that_of_a_file_and_stays_the_one_that_was_stated() 
             {"name": "wall", "lower": [1.0, 2.6], "upper": [2.0, 3.4]}, {"name": "disc", "centre": [3.0, -2.0], "radius": 0.3}
         ],
     )  # fmt: skip
-    assert made == given
-    assert made.digest == given.digest
-    assert [s.name for s in given.unsafe] == ["wall", "disc", "wall+2", "disc+3"]
-    assert [s.name for s in given.as_stated.unsafe] == ["wall", "disc"]
-    for same in (given.changed(), Task.model_validate(given), pickle.loads(pickle.dumps(given)), given.with_options()):
-        assert same == given
+    assert task_in_python == task
+    assert task_in_python.digest == task.digest
+    assert [s.name for s in task.unsafe] == ["wall", "disc", "wall+2", "disc+3"]
+    assert [s.name for s in task.as_stated.unsafe] == ["wall", "disc"]
+    for copy in (task.changed(), Task.model_validate(task), pickle.loads(pickle.dumps(task)), task.with_options()):
+        assert copy == task
     assert (
-        given.changed(periodic=None, initial_state=[0.5, 1], initial_set={"lower": [0.3, 0.9], "upper": [0.7, 1.1]}).closed_axes
+        task.changed(periodic=None, initial_state=[0.5, 1], initial_set={"lower": [0.3, 0.9], "upper": [0.7, 1.1]}).closed_axes
         == ()
     )
-    assert hash(given.periodic) == hash(made.periodic)
-    double = given.with_options(scalar="double")
-    assert double.digest == given.digest
-    assert double.plant.noise < given.plant.noise  # less rounding in what unwraps
+    assert hash(task.periodic) == hash(task_in_python.periodic)
+    double = task.with_options(scalar="double")
+    assert double.digest == task.digest
+    assert double.plant.noise < task.plant.noise  # unwrapping rounds less
 
 
 @pytest.mark.parametrize("m", range(1, 13))
-def test_what_a_period_differs_from_a_part_of_two_pi_is_bounded_and_known_to_both_readers(m: int) -> None:
+def test_package_and_checker_bound_how_far_a_period_is_from_a_part_of_two_pi(m: int) -> None:
     """The package's constant and the checker's series agree; exact periods, such as 360, have no difference."""
     low, high = checker.two_pi()
     assert low < TWO_PI + Fraction(1, 10**49) and TWO_PI < high < low + Fraction(1, 10**50)  # noqa: PT018
@@ -251,14 +251,14 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_has_no_meaning_where_an_axis_closes_is_refused_with_the_field(case: str) -> None:
+def test_fields_without_meaning_on_a_closed_axis_are_refused_by_name(case: str) -> None:
     changes, message = REFUSED[case]
     with pytest.raises(BadInput, match=message):
         Task(**box_task(**changes))
 
 
 @pytest.mark.parametrize("remedy", ["half-space", "mixed half-space", "long set", "cut space", "region"])
-def test_what_these_refusals_say_would_do_does(remedy: str) -> None:
+def test_the_remedy_that_such_a_refusal_names_is_accepted(remedy: str) -> None:
     changes = {
         "half-space": {"unsafe": [{"normals": [[0, 1], [0, -1]], "offsets": [-2, 2.5]}]},
         "mixed half-space": {"unsafe": [{"normals": [[1, 1], [-1, 0], [0, -1]], "offsets": [2, -1, 1]}]},
@@ -270,7 +270,7 @@ def test_what_these_refusals_say_would_do_does(remedy: str) -> None:
     assert Task(**box_task(**changes)).closed_axes
 
 
-def test_a_map_has_no_axis_that_closes(tmp_path: Path) -> None:
+def test_a_map_on_a_closed_axis_is_refused(tmp_path: Path) -> None:
     (tmp_path / "task.toml").write_text(TURNER + '\n[map]\nfile = "hall.yaml"\naxes = ["x", "yaw"]\n')
     with pytest.raises(BadInput, match=r"map\.axes: are x, yaw, and yaw closes"):
         stt.load(tmp_path / "task.toml")
@@ -279,24 +279,26 @@ def test_a_map_has_no_axis_that_closes(tmp_path: Path) -> None:
 # --------------------------------------------------------------------------------------------------- the tube at every turn
 
 
-def unsafe_now(x: np.ndarray, yaw: np.ndarray, t: float, keep: float, sets: Sequence[dict[str, Any]]) -> np.ndarray:
-    """Whether a wrapped state is nearer than `keep`, in the largest component, to a set of the task: an angle within a set's is told
-    by the arc from its lower edge, with no turn counted."""
-    found = np.zeros(len(x), dtype=bool)
-    for one in sets:
+def which_are_unsafe(x: np.ndarray, yaw: np.ndarray, t: float, clearance: float, sets: Sequence[dict[str, Any]]) -> np.ndarray:
+    """Return which of the wrapped states (N) are nearer than `clearance`, in the largest component, to a set of the task at t.
+
+    Whether an angle is in a set is decided by the arc from its lower edge, so that no turn is counted.
+    """
+    is_unsafe = np.zeros(len(x), dtype=bool)
+    for unsafe in sets:
         moved = np.zeros(2)
-        if "motion" in one:
-            (a, b) = one["motion"]
+        if "motion" in unsafe:
+            (a, b) = unsafe["motion"]
             share = min(max((t - a["at"]) / (b["at"] - a["at"]), 0.0), 1.0)
             moved = np.array(a["by"]) + share * (np.array(b["by"]) - np.array(a["by"]))
-        low, high = np.array(one["lower"]) + moved - keep, np.array(one["upper"]) + moved + keep
+        low, high = np.array(unsafe["lower"]) + moved - clearance, np.array(unsafe["upper"]) + moved + clearance
         arc = np.mod(yaw - low[1], 2 * math.pi)
-        found |= (low[0] < x) & (x < high[0]) & (arc < high[1] - low[1]) & (arc > 0)
-    return found
+        is_unsafe |= (low[0] < x) & (x < high[0]) & (arc < high[1] - low[1]) & (arc > 0)
+    return is_unsafe
 
 
-def arena(seed: int, digits: int) -> dict[str, Any]:
-    """A random task: start, target and sets at any turn, the period to so many digits, one set that turns."""
+def random_task_fields(seed: int, digits: int) -> dict[str, Any]:
+    """Return a random task: start, target and sets at any turn, a period of `digits` decimals, and one set that moves in yaw."""
     dice = np.random.default_rng(seed)
     start, target = dice.uniform(-8, 8, 2).round(3)
     sets = [
@@ -317,28 +319,28 @@ def arena(seed: int, digits: int) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("seed", "digits"), [(1, 3), (2, 3), (3, 15)])
-def test_a_wrapped_state_of_the_tube_is_in_no_set_and_ends_in_the_target(seed: int, digits: int) -> None:
+def test_wrapped_states_of_the_tube_avoid_all_sets_and_end_in_the_target(seed: int, digits: int) -> None:
     """States all over the certified tube, wrapped by the true 2 pi. 1e-9: doubles of angles below 30 and their remainders."""
-    fields = arena(seed, digits)
+    fields = random_task_fields(seed, digits)
     controller = built(Task(**fields))
     assert controller.certificate.holds
     t, dice = np.linspace(0, 8, 400), np.random.default_rng(seed)
     low, high = controller.design.edges_at(t)
-    keep = 0.03 - 1e-9
-    for k, at in enumerate(t):
+    clearance = 0.03 - 1e-9
+    for k, time in enumerate(t):
         shares = np.vstack([[[0, 0], [0, 1], [1, 0], [1, 1]], dice.uniform(0, 1, (40, 2))])
         x, yaw = (low[k] + shares * (high[k] - low[k])).T
         wrapped = np.mod(yaw + math.pi, 2 * math.pi) - math.pi
-        assert not unsafe_now(x, wrapped, at, keep, fields["unsafe"]).any()
+        assert not which_are_unsafe(x, wrapped, time, clearance, fields["unsafe"]).any()
     box = fields["target_set"]
     first, width = float(box["lower"][1]), float(box["upper"][1]) - float(box["lower"][1])
     assert np.mod(low[-1, 1] - first + 1e-9, 2 * math.pi) <= np.mod(high[-1, 1] - first + 1e-9, 2 * math.pi) <= width + 2e-9
     assert float(abs(high[:, 1] - low[0, 1]).max()) < 4 * math.pi  # never a second time around
 
 
-def test_what_the_period_differs_is_kept_at_every_turn() -> None:
-    """The clearance that is demanded exceeds the stated one by what the farthest image is off, and every image is its set moved by
-    whole periods, exactly. With a period that is no part of 2 pi nothing is added."""
+def test_the_clearance_grows_by_the_error_of_the_period_at_every_turn() -> None:
+    """The demanded clearance exceeds the stated one by the error of the farthest image. Every image is its set moved by whole
+    periods, exactly. With a period that is no part of 2 pi nothing is added."""
     task = parse_task(TURNER)
     (axis,) = task.closed_axes
     assert axis.image_turns == 3
@@ -354,7 +356,7 @@ def test_what_the_period_differs_is_kept_at_every_turn() -> None:
 
 
 def test_half_spaces_and_points_are_moved_exactly() -> None:
-    """Of what the half-spaces of a slope leave, every point has its image: normals mix the closed axis with x."""
+    """Every point between the half-spaces of a slope has its image, also where normals mix the closed axis with x."""
     task = parse_task(SLOPES)
     faces = [((1, 1), Fraction(2)), ((-1, 0), Fraction("-1.5")), ((0, -1), Fraction(1)), ((0, 1), Fraction(0))]
     images = [s for s in task.unsafe if s.name.startswith("slope")]
@@ -368,7 +370,7 @@ def test_half_spaces_and_points_are_moved_exactly() -> None:
 
 @pytest.mark.parametrize("kind", ["vertices", "normals", "ball"])
 @pytest.mark.parametrize("period", [TURN, "6.283", "6.4"])
-def test_a_target_of_any_shape_is_on_its_turn_in_package_and_checker(kind: str, period: str, tmp_path: Path) -> None:
+def test_package_and_checker_move_a_target_of_any_shape_to_its_turn(kind: str, period: str, tmp_path: Path) -> None:
     shapes = {
         "vertices": "lower = [4.0, -2.9]\nupper = [4.8, -2.2]\nvertices = [[3.9, -3.0], [4.9, -2.6], [4.2, -2.0]]",
         "normals": "lower = [4.0, -2.9]\nupper = [4.7, -2.4]\nnormals = [[1, 1]]\noffsets = [2.1]",
@@ -376,12 +378,12 @@ def test_a_target_of_any_shape_is_on_its_turn_in_package_and_checker(kind: str, 
     }
     text = with_period(TURNER, period).replace("lower = [4.0, -2.9]\nupper = [4.7, -2.4]", shapes[kind]).partition("[control]")[0]
     controller = built(parse_task(text))
-    by_turns = controller.task.closed_axes[0].target_turns
-    assert by_turns == 3
-    assert checked(controller, text, tmp_path) == 0
+    turns_up = controller.task.closed_axes[0].target_turns
+    assert turns_up == 3
+    assert checker_exit_code(controller, text, tmp_path) == 0
     stated = controller.task.as_stated
-    drift, by = controller.task.closed_axes[0].drift, by_turns * Fraction(period)
-    expected = [(n, h + n[1] * by - abs(n[1]) * by_turns * drift) for n, h in stated.target_cuts]
+    drift, distance = controller.task.closed_axes[0].drift, turns_up * Fraction(period)
+    expected = [(n, h + n[1] * distance - abs(n[1]) * turns_up * drift) for n, h in stated.target_cuts]
     assert sorted(controller.task.target_cuts) == sorted(expected)
 
 
@@ -436,17 +438,17 @@ noise = 0.0001
 @pytest.mark.parametrize(
     ("text", "code", "file"), [(PATROL, "P10", "wrap"), (INERTIA, "P9", "unwrap")], ids=["patrol", "inertia"]
 )
-def test_patrols_and_inertia_take_axes_that_close(text: str, code: str, file: str, tmp_path: Path) -> None:
-    """For ever, with regions that are in the other axis; of order 2: certificate and checker say yes to all of it."""
-    controller = the_turner(text)
+def test_patrols_and_order_two_take_closed_axes(text: str, code: str, file: str, tmp_path: Path) -> None:
+    """A patrol for ever with regions on the axis x, and a plant of order 2: certificate and checker verify both."""
+    controller = turner_controller(text)
     assert [s.name for s in controller.task.unsafe] == (["U1", "U1+1"] if code == "P10" else [])
     assert code in {f.code for f in controller.certificate.findings}
     assert {f"turner_{file}.c", "turner_unwrap.c"} <= set(controller.files)
-    assert checked(controller, text, tmp_path) == 0
+    assert checker_exit_code(controller, text, tmp_path) == 0
 
 
 @pytest.mark.parametrize("design", ["adaptive"])
-def test_a_paper_tube_takes_axes_that_close(design: str) -> None:
+def test_a_paper_tube_takes_closed_axes(design: str) -> None:
     controller = built(Task(**box_task(tube={"design": design}, unsafe=[{"lower": [1, -3.1], "upper": [1.5, -2.7]}])))
     assert controller.certificate.holds
     assert controller.task.closed_axes[0].target_turns == 1
@@ -460,19 +462,20 @@ FLAGS = "-std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -
 
 
 def compiled(controller: EmittedController, folder: Path) -> Any:
-    """`unwrap(x_before, x)` and `control(t, x)` of the emitted C, and its real."""
+    """Compile the emitted C and return its functions `unwrap(x_before, x)` and `control(t, x)` for Python."""
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
     p, n = controller.task.name, controller.task.dimension
-    sources, made = [str(folder / f"{p}{end}.c") for end in ("", "_unwrap")], folder / f"{controller.program.scalar}.so"
-    subprocess.run(["gcc", *FLAGS, "-shared", "-fPIC", *sources, "-o", str(made), "-lm"], check=True)
-    library, real = ctypes.CDLL(str(made)), ctypes.c_float if controller.program.scalar == "float" else ctypes.c_double
+    sources = [str(folder / f"{p}{end}.c") for end in ("", "_unwrap")]
+    library_path = folder / f"{controller.program.scalar}.so"
+    subprocess.run(["gcc", *FLAGS, "-shared", "-fPIC", *sources, "-o", str(library_path), "-lm"], check=True)
+    library, real = ctypes.CDLL(str(library_path)), ctypes.c_float if controller.program.scalar == "float" else ctypes.c_double
     vector = real * n
 
     def unwrap(before: Sequence[float], x: Sequence[float]) -> list[float]:
-        given = vector(*x)
-        library[f"{p}_unwrap"](vector(*before), given)
-        return list(given)
+        state = vector(*x)
+        library[f"{p}_unwrap"](vector(*before), state)
+        return list(state)
 
     def control(t: float, x: Sequence[float]) -> tuple[int, list[float]]:
         u = vector()
@@ -483,9 +486,9 @@ def compiled(controller: EmittedController, folder: Path) -> Any:
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
 @pytest.mark.parametrize("value", [TURN, "6.283", "3.1416"])
-def test_unwrapping_is_wrong_by_no_more_than_the_noise_has_room_for(scalar: str, value: str, tmp_path: Path, tool: Any) -> None:
-    """A true state on the line, its angle measured to the turn by a sensor that knows 2 pi/m, anywhere within a period of 0, and the
-    unwrapped state before anywhere within the largest step: what comes back is the true state to `unwrap_error`."""
+def test_unwrapping_is_exact_to_the_error_that_the_noise_includes(scalar: str, value: str, tmp_path: Path, tool: Any) -> None:
+    """The true state is on a line; the sensor knows 2 pi/m and measures the angle anywhere within a period of 0; the state before is
+    anywhere within the largest step. Unwrapping returns the true state to within `unwrap_error`."""
     tool("gcc")
     task = parse_task(with_period(TURNER, value)).with_options(scalar=scalar)
     controller = built(task)
@@ -495,51 +498,51 @@ def test_unwrapping_is_wrong_by_no_more_than_the_noise_has_room_for(scalar: str,
     period, step = float(axis.period), float(axis.largest_step)
     true_turn = 2 * math.pi / round(2 * math.pi / period)
     low, high = (float(edge[1]) for edge in (controller.task.state_space.lower, controller.task.state_space.upper))
-    dice, far = np.random.default_rng(5), 0.0
+    dice, largest_error = np.random.default_rng(5), 0.0
     for _ in range(4000):
         x = dice.uniform(low, high)
         k = dice.choice([k for k in range(-20, 20) if abs(x - k * true_turn) <= period])
         y, before = x - k * true_turn, min(max(x + dice.uniform(-1, 1) * step, low), high)
-        same, yaw = unwrap([0.25, before], [0.5, y])
-        assert same == 0.5
+        unchanged, yaw = unwrap([0.25, before], [0.5, y])
+        assert unchanged == 0.5
         assert abs(yaw - x) <= float(axis.unwrap_error) + 1e-12  # 1e-12: doubles of this test's own angles below 40
-        far = max(far, abs(yaw - x))
+        largest_error = max(largest_error, abs(yaw - x))
         assert abs(python.unwrap([0.25, before], [0.5, y])[1] - x) <= float(axis.unwrap_error) + 1e-12
-    assert far > float(axis.unwrap_error) / 100 - 1e-13  # the bound is one of this error
+    assert largest_error > float(axis.unwrap_error) / 100 - 1e-13  # the bound is about this error, and not far too wide
 
 
-def test_what_is_no_number_or_no_angle_is_left_as_it_is(tmp_path: Path, tool: Any) -> None:
+def test_unwrapping_returns_nan_infinities_and_huge_values_unchanged(tmp_path: Path, tool: Any) -> None:
     tool("gcc")
-    controller = the_turner()
+    controller = turner_controller()
     unwrap, control = compiled(controller, tmp_path)
     python = load_module("turner", controller.files["turner.py"])
     for x in (math.nan, math.inf, -math.inf, 1e30):
         for before in (0.0, math.nan, 1e30):
             expected = np.float32(x)
-            for found in (unwrap([0.0, before], [0.5, x])[1], python.unwrap([0.0, before], [0.5, x])[1]):
-                assert (np.isnan(found) and np.isnan(expected)) or np.float32(found) == expected
+            for unwrapped in (unwrap([0.0, before], [0.5, x])[1], python.unwrap([0.0, before], [0.5, x])[1]):
+                assert (np.isnan(unwrapped) and np.isnan(expected)) or np.float32(unwrapped) == expected
     assert control(1.0, unwrap([0.5, 15.5], [0.5, math.nan]))[0] == 2
 
 
-def test_a_loop_of_wrapped_measurements_goes_where_the_unwrapped_one_goes(tmp_path: Path, tool: Any) -> None:
-    """Two loops of one plant, each with the emitted C: one sees the state, one an angle in [-pi, pi), unwrapped by the C. Both stay in
-    the tube, end in the target, and part by no more than such errors, fed back by a law that contracts, allow: a hundred of them."""
+def test_a_loop_with_wrapped_measurements_follows_the_loop_with_true_states(tmp_path: Path, tool: Any) -> None:
+    """One loop of the emitted C measures the state, another an angle in [-pi, pi) that the C unwraps. Both stay in the tube and end in
+    the target. Their distance stays below a hundred unwrapping errors, as the law contracts."""
     tool("gcc")
-    controller = the_turner()
+    controller = turner_controller()
     unwrap, control = compiled(controller, tmp_path)
     (axis,) = controller.task.closed_axes
-    seen = truth = np.array([0.5, 15.5])
+    state = true_state = np.array([0.5, 15.5])
     before, tau = [0.5, 15.5], 0.01
     for k in range(1000):
-        wrapped = [seen[0], (seen[1] + math.pi) % (2 * math.pi) - math.pi]
+        wrapped = [state[0], (state[1] + math.pi) % (2 * math.pi) - math.pi]
         before = unwrap(before, wrapped)
-        (status, u), (plain, v) = control(k * tau, before), control(k * tau, truth)
-        assert (status, plain) == (0, 0)
-        seen, truth = seen + tau * np.array(u), truth + tau * np.array(v)
-        assert np.abs(seen - truth).max() <= 100 * float(axis.unwrap_error)
+        (status, u), (true_status, v) = control(k * tau, before), control(k * tau, true_state)
+        assert (status, true_status) == (0, 0)
+        state, true_state = state + tau * np.array(u), true_state + tau * np.array(v)
+        assert np.abs(state - true_state).max() <= 100 * float(axis.unwrap_error)
     low, high = (np.array(v, dtype=float) for v in (controller.task.target.lower, controller.task.target.upper))
-    assert ((low < seen) & (seen < high)).all()
-    assert 0 <= (seen[1] - -2.9) % (2 * math.pi) <= 0.5  # and in the target as it is written
+    assert ((low < state) & (state < high)).all()
+    assert 0 <= (state[1] - -2.9) % (2 * math.pi) <= 0.5  # in the target as the task file states it
 
 
 def test_the_rust_unwraps_as_the_python_does(tmp_path: Path, tool: Any) -> None:
@@ -555,54 +558,54 @@ def test_the_rust_unwraps_as_the_python_does(tmp_path: Path, tool: Any) -> None:
         [*base, "--crate-type", "rlib", "--cfg", 'feature="std"', "turner.rs"], cwd=tmp_path, check=True, capture_output=True
     )
     subprocess.run([*base, "--extern", "turner=libturner.rlib", "main.rs"], cwd=tmp_path, check=True, capture_output=True)
-    said = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout.split()
-    assert [float(word) for word in said] == [python.unwrap([0.0, a], [0.5, b])[1] for a, b in pairs]
+    output = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout.split()
+    assert [float(word) for word in output] == [python.unwrap([0.0, a], [0.5, b])[1] for a, b in pairs]
 
 
-def test_the_node_of_ros_counts_turns_from_its_starts() -> None:
-    """Wrapped states begin a mission at 15.5, which is two turns up and a part, and go on from there over the end of the circle."""
+def test_the_ros_node_counts_turns_from_the_start() -> None:
+    """Wrapped states begin a mission at 15.5, more than two turns up, and pass the end of the circle."""
     sys.modules["drive"] = module = types.ModuleType("drive")
-    exec(package(the_turner(), "ros2")["turner_ros2/turner_ros2/drive.py"], module.__dict__)
-    seen: list[float] = []
+    exec(package(turner_controller(), "ros2")["turner_ros2/turner_ros2/drive.py"], module.__dict__)
+    unwrapped: list[float] = []
 
     def control(t: float, x: Sequence[float], v: Sequence[float]) -> tuple[int, tuple[float, ...], float]:
-        seen.append(x[1])
+        unwrapped.append(x[1])
         return 0, (0.0, 0.0), 0.5
 
     drive = module.Drive(lambda: control, 0.02, 1.0)
-    true = [15.5 + 0.05 * k for k in range(100)]
-    for k, yaw in enumerate(true):
+    true_yaw = [15.5 + 0.05 * k for k in range(100)]
+    for k, yaw in enumerate(true_yaw):
         measured = (0.5, (yaw + math.pi) % (2 * math.pi) - math.pi)
         if k == 30:
             drive.measured(0.01 * k - 0.005, (0.5, math.nan))  # a glitch does not lose the turn
-            assert math.isnan(seen.pop())
+            assert math.isnan(unwrapped.pop())
         drive.measured(0.01 * k, measured)
         if k == 0:
             assert drive.start(0.0) == ""
             drive.decide(0.0)
-    (axis,) = the_turner().task.closed_axes
-    assert seen == pytest.approx(true, abs=float(axis.unwrap_error))
+    (axis,) = turner_controller().task.closed_axes
+    assert unwrapped == pytest.approx(true_yaw, abs=float(axis.unwrap_error))
 
 
 # --------------------------------------------------------------------------------------------------- the checker
 
 
 @pytest.mark.parametrize("text", [TURNER, SLOPES, with_period(TURNER, TURN)], ids=["rough", "slope", "fine"])
-def test_the_checker_says_yes_to_the_task_as_it_is_written(text: str, tmp_path: Path, capsys: Any) -> None:
-    assert checked(the_turner(text), text, tmp_path) == 0
+def test_the_checker_verifies_the_task_as_it_is_stated(text: str, tmp_path: Path, capsys: Any) -> None:
+    assert checker_exit_code(turner_controller(text), text, tmp_path) == 0
     assert "P1 to P7 and P9 hold" in capsys.readouterr().out
 
 
-def attacked(change: Callable[[dict[str, Any], dict[str, str]], None], tmp_path: Path) -> int:
-    """The checker's answer where files and certificate are changed; the certificate has the hash of what was changed."""
-    controller = the_turner()
+def checker_exit_code_after(change: Callable[[dict[str, Any], dict[str, str]], None], tmp_path: Path) -> int:
+    """Return the checker's exit code after a change of the certificate and the files; the certificate has the new hashes."""
+    controller = turner_controller()
     texts = {name: data.decode() for name, data in controller.files.items()}
     document = json.loads(texts.pop("turner.certificate.json"))
     change(document, texts)
     files = {name: text.encode() for name, text in texts.items()}
     document["sha256"] |= {name: hashlib.sha256(data).hexdigest() for name, data in files.items()}
     files["turner.certificate.json"] = json.dumps(document).encode()
-    return checked(dataclasses.replace(controller, files=files), TURNER, tmp_path)
+    return checker_exit_code(dataclasses.replace(controller, files=files), TURNER, tmp_path)
 
 
 UNWRAP_MUTANTS = [
@@ -619,12 +622,12 @@ UNWRAP_MUTANTS = [
 
 
 @pytest.mark.parametrize(("old", "new"), UNWRAP_MUTANTS)
-def test_the_checker_refuses_another_unwrapping(old: str, new: str, tmp_path: Path, capsys: Any) -> None:
+def test_the_checker_refuses_c_that_unwraps_differently(old: str, new: str, tmp_path: Path, capsys: Any) -> None:
     def change(document: dict[str, Any], texts: dict[str, str]) -> None:
         assert old in texts["turner_unwrap.c"]
         texts["turner_unwrap.c"] = texts["turner_unwrap.c"].replace(old, new)
 
-    assert attacked(change, tmp_path) == 1
+    assert checker_exit_code_after(change, tmp_path) == 1
     assert "turns are counted by what it should not" in capsys.readouterr().out
 
 
@@ -651,28 +654,26 @@ ATTACKS: dict[str, tuple[Callable[[dict[str, Any], dict[str, str]], None], str]]
 
 
 @pytest.mark.parametrize("attack", ATTACKS)
-def test_the_checker_refuses_what_leaves_a_turn_out(attack: str, tmp_path: Path, capsys: Any) -> None:
+def test_the_checker_refuses_files_that_leave_a_turn_out(attack: str, tmp_path: Path, capsys: Any) -> None:
     change, message = ATTACKS[attack]
 
-    def changed(document: dict[str, Any], texts: dict[str, str]) -> None:
+    def apply_attack(document: dict[str, Any], texts: dict[str, str]) -> None:
         if attack == "no unwrapping":
             texts.pop("turner_unwrap.c")
         change(document, texts)
 
-    assert attacked(changed, tmp_path) == 1
+    assert checker_exit_code_after(apply_attack, tmp_path) == 1
     assert message in capsys.readouterr().out
 
 
 def test_the_checker_refuses_another_period_in_the_task(tmp_path: Path, capsys: Any) -> None:
-    assert checked(the_turner(), with_period(TURNER, "6.2831"), tmp_path) == 1
+    assert checker_exit_code(turner_controller(), with_period(TURNER, "6.2831"), tmp_path) == 1
     assert "the task's data is not that of the certificate" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("fault", ["no drift", "no images", "another turn"])
-def test_the_checker_refuses_what_a_tool_that_errs_would_certify(
-    fault: str, tmp_path: Path, capsys: Any, monkeypatch: Any
-) -> None:
-    """The certificate and all hashes are what the tool makes of them: the checker's own reading of the task alone says no."""
+def test_the_checker_refuses_what_a_faulty_tool_certifies(fault: str, tmp_path: Path, capsys: Any, monkeypatch: Any) -> None:
+    """Certificate and hashes agree, as the faulty tool writes both; the checker refuses by its own reading of the task."""
     if fault == "no drift":
         monkeypatch.setattr(turns, "drift_of", lambda period: Fraction(0))
     if fault == "no images":
@@ -680,23 +681,23 @@ def test_the_checker_refuses_what_a_tool_that_errs_would_certify(
     if fault == "another turn":
         expand_turns = turns.expand_turns
 
-        def moved(task: Any) -> Any:
+        def expand_to_moved_target(task: Any) -> Any:
             changes, *rest = expand_turns(task)
             target = changes["target_set"]
-            up = {"lower": (target.lower[0], target.lower[1] + 1), "upper": (target.upper[0], target.upper[1] + 1)}
-            return ({**changes, "target_set": target.model_copy(update=up)}, *rest)
+            moved_box = {"lower": (target.lower[0], target.lower[1] + 1), "upper": (target.upper[0], target.upper[1] + 1)}
+            return ({**changes, "target_set": target.model_copy(update=moved_box)}, *rest)
 
-        monkeypatch.setattr(task_module, "expand_turns", moved)
+        monkeypatch.setattr(task_module, "expand_turns", expand_to_moved_target)
     controller = build_task(parse_task(TURNER))
     assert controller.certificate.holds
-    assert checked(controller, TURNER, tmp_path) == 1
+    assert checker_exit_code(controller, TURNER, tmp_path) == 1
     assert "NO" in capsys.readouterr().out
 
 
-def test_a_period_in_which_a_turn_may_be_lost_is_refused(monkeypatch: Any, tmp_path: Path, capsys: Any) -> None:
-    """The bound on what yaw moves from sample to sample is one of the loop, where it is pushed and late; and with less allowed
-    than that, package and checker refuse."""
-    controller = the_turner()
+def test_a_sampling_period_in_which_a_turn_may_be_lost_is_refused(monkeypatch: Any, tmp_path: Path, capsys: Any) -> None:
+    """The bound on the motion of yaw between samples holds in a loop with disturbance and input delay. Where less motion is allowed,
+    package and checker refuse."""
+    controller = turner_controller()
     task, proof, design = controller.task, controller.certificate.proved_period, controller.design
     (axis,) = task.closed_axes
     task = task.with_gain(task.gain)
@@ -708,45 +709,45 @@ def test_a_period_in_which_a_turn_may_be_lost_is_refused(monkeypatch: Any, tmp_p
     yaw = run.trace[:, 2]
     assert 0 < np.abs(np.diff(yaw)).max() <= float(lost.motion)
     assert lost_turn(controller.task, design, proof) is None  # type: ignore[arg-type]
-    finding, found = certify_period(task, design, controller.certificate.edge_error)  # type: ignore[arg-type]
-    assert found is None
+    finding, proved_period = certify_period(task, design, controller.certificate.edge_error)  # type: ignore[arg-type]
+    assert proved_period is None
     assert not finding.holds
     assert "tells turns of axis yaw apart; lower control.period" in finding.advice
     task._closed_axes = (dataclasses.replace(axis, largest_step=lost.motion + Fraction(1, 10**9)),)
     assert lost_turn(task, design, proof) is None  # type: ignore[arg-type]
     noise = checker.Turns.noise
 
-    def less(self: Any, *given: Any) -> Fraction:
-        found = noise(self, *given)
+    def noise_with_shorter_step(self: Any, *arguments: Any) -> Fraction:
+        bound = noise(self, *arguments)
         self.steps = {1: lost.motion - Fraction(1, 10**9)}
-        return found
+        return bound
 
-    monkeypatch.setattr(checker.Turns, "noise", less)
-    assert checked(controller, TURNER, tmp_path) == 1
+    monkeypatch.setattr(checker.Turns, "noise", noise_with_shorter_step)
+    assert checker_exit_code(controller, TURNER, tmp_path) == 1
     assert "an axis that closes may move by" in capsys.readouterr().out
 
 
-# --------------------------------------------------------------------------------------------------- what is said
+# --------------------------------------------------------------------------------------------------- notes and packages
 
 
-def test_design_and_generate_say_which_way_round(tmp_path: Path) -> None:
+def test_design_and_generate_say_on_which_turn_the_target_is(tmp_path: Path) -> None:
     (tmp_path / "turner.toml").write_text(TURNER.partition("[control]")[0])
-    told = "axis yaw closes at 6.283 rad: the target is taken at 16.199 (3 turns up)"
+    note = "axis yaw closes at 6.283 rad: the target is taken at 16.199 (3 turns up)"
     report = design_report(built(stt.load(tmp_path / "turner.toml")), 0.0)
-    assert any(told in note for note in report.document()["notes"])
-    with redirect_stdout(io.StringIO()) as shown:
+    assert any(note in line for line in report.document()["notes"])
+    with redirect_stdout(io.StringIO()) as output:
         show_design(report)
-    assert told in " ".join(shown.getvalue().split())
-    made = run_command("generate", str(tmp_path / "turner.toml"), "--out", str(tmp_path))
-    assert told in made.stderr
-    assert "lies outside the state space" not in made.stderr  # of the wall, whose image is within
+    assert note in " ".join(output.getvalue().split())
+    generated = run_command("generate", str(tmp_path / "turner.toml"), "--out", str(tmp_path))
+    assert note in generated.stderr
+    assert "lies outside the state space" not in generated.stderr  # the wall does, but its image lies within
     header = (tmp_path / "turner.h").read_text()
     assert "Axes that close: yaw after 6.283." in header
     assert "moves by less than 3.1" in header
 
 
 @pytest.mark.parametrize(
-    ("units", "target", "told"),
+    ("units", "target", "has_note"),
     [
         (["m", "rad"], -3.0, True),
         (["m", "deg"], -3.0, False),
@@ -755,14 +756,14 @@ def test_design_and_generate_say_which_way_round(tmp_path: Path) -> None:
         (["m", "rad"], 0.0, False),
     ],
 )
-def test_the_long_way_round_of_an_angle_is_not_gone_without_a_word(units: list[str], target: float, told: bool) -> None:
-    """Without `periodic`; and the note's remedy, as it is written, goes the short way."""
+def test_a_tube_that_takes_the_long_way_round_of_an_angle_gets_a_note(units: list[str], target: float, has_note: bool) -> None:
+    """The task lacks `periodic`. The remedy in the note, used as written, takes the short way."""
     fields = box_task(
         periodic=None, units=units, state_space={"lower": [0, -200], "upper": [5, 200]},
         target_set={"lower": [4.0, target - 0.1], "upper": [4.4, target + 0.1]},
     )  # fmt: skip
     notes = turn_notes(Task(**fields))
-    assert bool(notes) is told
+    assert bool(notes) is has_note
     for note in notes:
         period = float(note.split("yaw = ")[1].split(" ")[0])
         short = Task(**{**fields, "periodic": {"yaw": period}})
@@ -770,18 +771,20 @@ def test_the_long_way_round_of_an_angle_is_not_gone_without_a_word(units: list[s
         assert abs(middle - 3) <= Fraction(str(period)) / 2
 
 
-def test_packages_hold_the_unwrapping_or_say_why_not() -> None:
+def test_packages_contain_the_unwrapping_or_are_refused() -> None:
     for kind in ("cmake", "arduino", "platformio"):
-        files = package(the_turner(), kind)
+        files = package(turner_controller(), kind)
         assert "turner/src/turner_unwrap.c" in files
-    assert b"src/turner_unwrap.c" in package(the_turner(), "cmake")["turner/CMakeLists.txt"]
-    assert b"turner_unwrap(x_before, x);" in package(the_turner(), "arduino")["turner/examples/turner_loop/turner_loop.ino"]
+    assert b"src/turner_unwrap.c" in package(turner_controller(), "cmake")["turner/CMakeLists.txt"]
+    assert (
+        b"turner_unwrap(x_before, x);" in package(turner_controller(), "arduino")["turner/examples/turner_loop/turner_loop.ino"]
+    )
     with pytest.raises(BadInput, match="--package fmu: a unit does not count turns"):
-        package(the_turner(), "fmu")
+        package(turner_controller(), "fmu")
 
 
-def test_no_theorem_is_written_about_turns_and_the_reason_is_said() -> None:
-    files = the_turner().files
+def test_a_theorem_about_closed_axes_is_refused_with_the_reason() -> None:
+    files = turner_controller().files
     with pytest.raises(BadInput, match=r"theorem: not yet about axes that close \(periodic\)"):
         theorem_text(TURNER.encode(), *(files[f"turner{end}"] for end in (".h", ".c", ".certificate.json")))
 

@@ -1,4 +1,4 @@
-"""One list of a task's keys: what stands alone, or is written for people, has the same keys, and no others."""
+"""The checker, the Coq proof and the page on tasks know the same keys as `task_keys()`, which is the one list of a task's keys."""
 
 from __future__ import annotations
 
@@ -11,34 +11,34 @@ from stt_codegen.task.sets.shapes import KINDS, SET_TABLES, fields_of_shape
 from stt_codegen.theorem.controller_theorem import UNREAD_KEYS, readable_keys
 from tests.support.controllers import ROOT
 
-# Keys of which the checker wants the sets spelled out, in the .task.toml beside the C.
+# Keys that the checker does not read: the .task.toml beside the C has the sets that they stand for.
 SPELLED_OUT = {"state_space": {"outline", "holes"}}
-STANDING = {"motion", "during", "timing", "spread"}  # of unsafe sets; a region stands still
+MOTION_KEYS = {"motion", "during", "timing", "spread"}  # of unsafe sets only: a region does not move
 COQ = (ROOT / "proof" / "Toml.v").read_text()
 PAGE = (ROOT / "docs" / "task.md").read_text()
 
 
 def keys_of_coq() -> dict[str, set[str]]:
-    """The list `known_sections` of proof/Toml.v."""
+    """Return the keys by table that the list `known_sections` of proof/Toml.v has."""
     (text,) = re.findall(r"Definition known_sections [^=]*:= \[(.*?)\]\.\n", COQ, re.S)
     return {table: set(re.findall(r'"(\w+)"', keys)) for table, keys in re.findall(r'\("(\w*)", \[(.*?)\]\)', text)}
 
 
 def test_the_checker_knows_the_keys_of_the_task_and_no_others() -> None:
-    wanted = {table: set(keys) - SPELLED_OUT.get(table, set()) for table, keys in task_keys().items()}
-    wanted["region"] -= STANDING
-    assert {table: set(keys.split()) for table, keys in checker.KNOWN.items()} == wanted
+    expected = {table: set(keys) - SPELLED_OUT.get(table, set()) for table, keys in task_keys().items()}
+    expected["region"] -= MOTION_KEYS
+    assert {table: set(keys.split()) for table, keys in checker.KNOWN.items()} == expected
 
 
-def test_the_checker_knows_the_ways_to_say_a_set_and_no_others() -> None:
+def test_the_checker_knows_the_fields_of_every_shape_and_no_others() -> None:
     assert [form.split() for form in checker.FORMS] == [fields_of_shape(table) for table in SET_TABLES]
 
 
-def test_the_checker_knows_the_files_of_every_language() -> None:
+def test_the_checker_knows_the_files_of_every_language_that_it_does_not_read() -> None:
     assert sorted(checker.UNREAD) == sorted(suffix for target in optional_targets() for suffix in target.suffixes)
 
 
-def test_coq_knows_the_keys_that_it_reads_and_the_rest_is_listed() -> None:
+def test_coq_reads_the_readable_keys_and_unread_keys_are_keys_of_a_task() -> None:
     assert keys_of_coq() == readable_keys()
     known = task_keys()
     assert {table: set(keys.split()) - set(known[table]) for table, keys in UNREAD_KEYS.items()} == {
@@ -46,7 +46,7 @@ def test_coq_knows_the_keys_that_it_reads_and_the_rest_is_listed() -> None:
     }
 
 
-def test_what_tells_a_set_is_a_field_of_its_table() -> None:
+def test_every_field_of_a_shape_selects_its_kind() -> None:
     assert {field for table in SET_TABLES[1:] for field in fields_of_shape(table)} == set(KINDS)
 
 
@@ -76,8 +76,9 @@ def documented_keys(page: str) -> dict[str, set[str]]:
 
 
 def undocumented_keys(page: str) -> dict[str, set[str]]:
-    written = documented_keys(page)
-    missing = {table: set(keys) - written.get(table, set()) for table, keys in task_keys().items()}
+    """Return by table the keys of a task that the page does not document."""
+    documented = documented_keys(page)
+    missing = {table: set(keys) - documented.get(table, set()) for table, keys in task_keys().items()}
     return {table: keys for table, keys in missing.items() if keys}
 
 
@@ -85,8 +86,8 @@ def test_the_page_on_tasks_names_every_key() -> None:
     assert undocumented_keys(PAGE) == {}
 
 
-def test_every_row_of_the_page_is_needed() -> None:
-    """Without a row, which other tables of the page may mention, some key is no longer documented."""
+def test_no_row_of_the_page_can_be_left_out() -> None:
+    """Without any one row some key is no longer documented, even where other tables of the page mention it."""
     lines = PAGE.partition("\nDesigns:")[0].splitlines()
     rows = [line for line in lines if line.startswith("| `") and "`[map]`" not in line]  # which is replaced by unsafe sets
     assert len(rows) > 50

@@ -25,9 +25,9 @@ from stt_codegen.task.sets.polytopes import cut_box
 from stt_codegen.task.sets.round_sets import FAN_CORNER_DISTANCES, inscribed
 from stt_codegen.task.task import Task
 from tests.support.controllers import built
-from tests.task.test_shapes import checked
+from tests.task.test_shapes import checker_exit_code
 
-ROOM = """name = "room"
+ROOM_TASK = """name = "room"
 prescribed_time = 9
 initial_state = [0.45, 0.45]
 {body}
@@ -48,7 +48,7 @@ name = "pillar"
 centre = [2.6, 2.2]
 radius = 0.6
 """
-SPACE = """name = "space"
+SPACE_TASK = """name = "space"
 axes = ["x", "y", "z"]
 prescribed_time = 9
 initial_state = [0.5, 0.5, 0.5]
@@ -67,65 +67,68 @@ lower = [4, 4, 0.5]
 upper = [4.9, 4.9, 1.5]
 vertices = [[4, 4, 0.5], [5, 4, 0.5], [4, 5, 0.5], [5, 5, 0.5], [4.5, 4.5, 1.5]]
 """
-BALL = ROOM.replace(
+BALL_TASK = ROOM_TASK.replace(
     "lower = [4, 4]\nupper = [4.9, 4.9]\nnormals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]",
     "centre = [4.3, 4.2]\nradius = 0.45",
 )
-PAD = SPACE.replace(
+PAD_TASK = SPACE_TASK.replace(
     "vertices = [[4, 4, 0.5], [5, 4, 0.5], [4, 5, 0.5], [5, 5, 0.5], [4.5, 4.5, 1.5]]",
     'axes = ["y", "x"]\ncentre = [4.45, 4.4]\nradius = 0.42',
 )
-SPHERE = SPACE.replace(
+SPHERE_TASK = SPACE_TASK.replace(
     "lower = [4, 4, 0.5]\nupper = [4.9, 4.9, 1.5]\nvertices = [[4, 4, 0.5], [5, 4, 0.5], [4, 5, 0.5], [5, 5, 0.5], [4.5, 4.5, 1.5]]",
     "centre = [4.4, 4.3, 1]\nradius = 0.45",
 )
 TEXTS = {
-    "room": ROOM.format(body=""),
-    "room, body": ROOM.format(body="body = [0.05, 0.1]"),
-    "space": SPACE.format(body=""),
-    "space, body": SPACE.format(body="body = [0.05, 0.05, 0.1]"),
-    "ball": BALL.format(body=""),
-    "pad": PAD.format(body="body = [0.05, 0.05, 0.1]"),
-    "sphere": SPHERE.format(body=""),
+    "room": ROOM_TASK.format(body=""),
+    "room, body": ROOM_TASK.format(body="body = [0.05, 0.1]"),
+    "space": SPACE_TASK.format(body=""),
+    "space, body": SPACE_TASK.format(body="body = [0.05, 0.05, 0.1]"),
+    "ball": BALL_TASK.format(body=""),
+    "pad": PAD_TASK.format(body="body = [0.05, 0.05, 0.1]"),
+    "sphere": SPHERE_TASK.format(body=""),
 }
 
 
-def outside(task: Task, region, low: np.ndarray, high: np.ndarray, body: bool) -> float:
-    """By how much a corner of boxes (T, n), the body added, is beyond what cuts a region at most, in doubles: of points by qhull."""
-    own = list(task.axis_indices(region))
+def distance_outside(task: Task, region, low: np.ndarray, high: np.ndarray, body: bool) -> float:
+    """Return the largest distance by which a corner of the boxes (T, n), grown by the body, lies outside a region, in doubles.
+
+    It is negative inside. Vertices become half-spaces by qhull, without code of the package.
+    """
+    axes = list(task.axis_indices(region))
     if getattr(region, "centre", None) is not None:
         centre = np.array(region.centre, dtype=float)
-        far = np.maximum(abs(low[:, own] - centre), abs(high[:, own] - centre))
-        return float((np.sqrt((far**2).sum(axis=1)) - float(region.radius)).max())
+        farthest = np.maximum(abs(low[:, axes] - centre), abs(high[:, axes] - centre))
+        return float((np.sqrt((farthest**2).sum(axis=1)) - float(region.radius)).max())
     half = np.array([float(v) for v in task.half_extents]) if body else np.zeros(task.dimension)
     if region.vertices is not None:
-        found = ConvexHull(np.array(region.vertices, dtype=float)).equations
-        normals, offsets = found[:, :-1], -found[:, -1]
+        equations = ConvexHull(np.array(region.vertices, dtype=float)).equations
+        normals, offsets = equations[:, :-1], -equations[:, -1]
     else:
         normals, offsets = np.array(region.normals, dtype=float), np.array(region.offsets, dtype=float)
-    a, b = (low - half)[:, own], (high + half)[:, own]
-    reach = np.maximum(normals[:, None] * a, normals[:, None] * b).sum(axis=2) - offsets[:, None]
-    return float((reach / np.abs(normals).sum(axis=1)[:, None]).max())
+    lower, upper = (low - half)[:, axes], (high + half)[:, axes]
+    excess = np.maximum(normals[:, None] * lower, normals[:, None] * upper).sum(axis=2) - offsets[:, None]
+    return float((excess / np.abs(normals).sum(axis=1)[:, None]).max())
 
 
 @pytest.mark.parametrize("name", TEXTS)
-def test_a_tube_in_polytopes_is_found_proved_checked_and_drawn(name: str, tmp_path: Path) -> None:
+def test_a_tube_in_polytopes_is_designed_certified_checked_and_drawn(name: str, tmp_path: Path) -> None:
     task = parse_task(TEXTS[name])
-    made = built(task)
-    assert made.certificate.holds
-    assert checked(TEXTS[name], made.files, tmp_path) == 0
-    low, high = made.design.edges_at(np.linspace(0, 9, 901))
-    assert outside(task, task.state_space, low, high, body=True) <= 1e-12
-    assert outside(task, task.target_set, low[-1:], high[-1:], body=False) <= 1e-12
-    plain = task.changed(state_space={"vertices": None, "normals": None, "offsets": None, "axes": None})
-    assert cost_of(made.program, "control") == cost_of(built(plain).program, "control")
-    draw(made, tmp_path / "drawn.png")
+    controller = built(task)
+    assert controller.certificate.holds
+    assert checker_exit_code(TEXTS[name], controller.files, tmp_path) == 0
+    low, high = controller.design.edges_at(np.linspace(0, 9, 901))
+    assert distance_outside(task, task.state_space, low, high, body=True) <= 1e-12
+    assert distance_outside(task, task.target_set, low[-1:], high[-1:], body=False) <= 1e-12
+    task_in_box = task.changed(state_space={"vertices": None, "normals": None, "offsets": None, "axes": None})
+    assert cost_of(controller.program, "control") == cost_of(built(task_in_box).program, "control")
+    draw(controller, tmp_path / "drawn.png")
 
 
 @pytest.mark.parametrize("region", ["state_space", "target_set"])
-def test_a_face_that_comes_nearer_is_refused_where_the_tube_is_beyond(region: str, tmp_path: Path) -> None:
-    made = built(parse_task(TEXTS["room"]))
-    low, high = made.design.edges_at(np.linspace(0, 9, 8 * made.design.segments + 1))
+def test_a_face_moved_inward_is_refused_once_the_tube_is_outside(region: str, tmp_path: Path) -> None:
+    controller = built(parse_task(TEXTS["room"]))
+    low, high = controller.design.edges_at(np.linspace(0, 9, 8 * controller.design.segments + 1))
     verdicts = []
     for k in range(12):
         old = {"state_space": "[3.5, 5], [0, 2]", "target_set": "offsets = [-8.8, 9.5]"}[region]
@@ -136,40 +139,44 @@ def test_a_face_that_comes_nearer_is_refused_where_the_tube_is_beyond(region: st
         text = TEXTS["room"].replace(old, new[region])
         try:
             task = parse_task(text)
-        except BadInput as told:
-            assert "initial_set: lies outside the state space" in str(told)
+        except BadInput as refusal:
+            assert "initial_set: lies outside the state space" in str(refusal)
             continue
-        found = certify(task, made.design, build_program(task, made.design))
-        verdicts.append(found.tube_holds)
-        assert (checked(text, render(task, made.design, made.program, found), tmp_path) == 0) == found.holds
-        last = slice(-1, None) if region == "target_set" else slice(None)
-        beyond = outside(task, getattr(task, region), low[last], high[last], body=region == "state_space")
-        assert beyond <= 1e-12 if found.holds else beyond > -2 * float(max(made.certificate.edge_error)) - 1e-3
+        certificate = certify(task, controller.design, build_program(task, controller.design))
+        verdicts.append(certificate.tube_holds)
+        assert (
+            checker_exit_code(text, render(task, controller.design, controller.program, certificate), tmp_path) == 0
+        ) == certificate.holds
+        times = slice(-1, None) if region == "target_set" else slice(None)
+        distance = distance_outside(task, getattr(task, region), low[times], high[times], body=region == "state_space")
+        assert distance <= 1e-12 if certificate.holds else distance > -2 * float(max(controller.certificate.edge_error)) - 1e-3
     assert verdicts == sorted(verdicts, reverse=True)
     assert len(set(verdicts)) == 2
 
 
-def test_a_balls_polytope_lies_within_it_and_leaves_little_out() -> None:
-    for d, most in FAN_CORNER_DISTANCES.items():
+def test_the_polytope_in_a_ball_lies_within_it_and_nearly_fills_it() -> None:
+    for d, corner_distance in FAN_CORNER_DISTANCES.items():
         centre, radius = tuple(Fraction(i, 7) for i in range(1, d + 1)), Fraction(3, 5)
         corners = [v.point for v in cut_box(*(tuple(c + s * radius for c in centre) for s in (-1, 1)), inscribed(centre, radius))]
-        far = max(sum((v - c) ** 2 for v, c in zip(p, centre, strict=True)) for p in corners)
-        assert far <= radius**2
-        assert far > (Fraction("0.999") * radius) ** 2  # the factor is rounded up in the fourth place
-        assert most <= Fraction("1.05")
+        squared_distance = max(sum((v - c) ** 2 for v, c in zip(p, centre, strict=True)) for p in corners)
+        assert squared_distance <= radius**2
+        assert squared_distance > (Fraction("0.999") * radius) ** 2  # the factor is rounded up in the fourth place
+        assert corner_distance <= Fraction("1.05")
 
 
-def test_a_smaller_ball_is_refused_where_the_tube_ends_beyond(tmp_path: Path) -> None:
-    made = built(parse_task(TEXTS["sphere"]))
-    low, high = made.design.edges_at(np.array([9.0]))
+def test_a_shrunk_target_ball_is_refused_once_the_tube_ends_outside(tmp_path: Path) -> None:
+    controller = built(parse_task(TEXTS["sphere"]))
+    low, high = controller.design.edges_at(np.array([9.0]))
     verdicts = []
     for k in range(8):
         text = TEXTS["sphere"].replace("radius = 0.45\n", f"radius = {0.45 - 0.02 * k:.2f}\n")
         task = parse_task(text)
-        found = certify(task, made.design, build_program(task, made.design))
-        verdicts.append(found.tube_holds)
-        assert (checked(text, render(task, made.design, made.program, found), tmp_path) == 0) == found.holds
-        assert not found.holds or outside(task, task.target_set, low, high, body=False) <= 0
+        certificate = certify(task, controller.design, build_program(task, controller.design))
+        verdicts.append(certificate.tube_holds)
+        assert (
+            checker_exit_code(text, render(task, controller.design, controller.program, certificate), tmp_path) == 0
+        ) == certificate.holds
+        assert not certificate.holds or distance_outside(task, task.target_set, low, high, body=False) <= 0
     assert verdicts == sorted(verdicts, reverse=True)
     assert len(set(verdicts)) == 2
 
@@ -177,23 +184,23 @@ def test_a_smaller_ball_is_refused_where_the_tube_ends_beyond(tmp_path: Path) ->
 def test_the_loop_judges_by_the_true_room() -> None:
     loop = Loop(built(parse_task(TEXTS["room"])), PLANTS["integrator"])
     assert loop.run(Scenario(rate=500.0)).good
-    corner = loop.run(Scenario(start=(4.5, 1.2)))  # in the box, beyond the slanted wall
+    corner = loop.run(Scenario(start=(4.5, 1.2)))  # in the bounding box, behind the slanted wall
     assert corner.left_at == 0
     assert loop.run(Scenario(start=(4.5, 1.45))).left_at != 0
     push = loop.run(Scenario(disturbance="nearest", strength=0.1, start=(4.5, 1.5)), trace=True).trace[0, 9:11]
     assert push == pytest.approx(0.1 * np.array([1.5, -4.5]) / np.hypot(1.5, 4.5), rel=1e-6)
 
 
-def test_the_box_for_a_routes_end_lies_in_the_target_and_is_the_largest_of_its_proportions() -> None:
+def test_the_end_box_of_a_route_lies_in_the_target_and_is_the_largest_of_its_proportions() -> None:
     arena = arena_of(parse_task(TEXTS["room"]))
     inset = np.array([0.1, 0.1])
     goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
     box = inner_box(arena, goal, inset)
     assert box is not None
-    for cuts in (arena.space_cuts, arena.target_cuts):  # every box of the half widths about a corner of it is behind every cut
+    for cuts in (arena.space_cuts, arena.target_cuts):  # a box of half widths `inset` about any corner satisfies every cut
         for corner in itertools.product(*box.T.tolist()):
-            room = cuts.normal @ np.array(corner) - np.abs(cuts.normal) @ inset - cuts.bound
-            assert room.min() >= -1e-9  # ten times what the solver keeps rows to, at the least
+            margins = cuts.normal @ np.array(corner) - np.abs(cuts.normal) @ inset - cuts.bound
+            assert margins.min() >= -1e-9  # at least ten times the solver's tolerance of a row
     assert (goal[0] - 1e-9 <= box[0]).all()
     assert (box[1] <= goal[1] + 1e-9).all()
     half = (goal[1] - goal[0]) / 2
@@ -207,11 +214,11 @@ def test_the_box_for_a_routes_end_lies_in_the_target_and_is_the_largest_of_its_p
     for i in (0, 1):
         rows += [[*np.eye(2)[i], half[i]], [*-np.eye(2)[i], half[i]]]
         ends += [goal[1, i], -goal[0, i]]
-    found = linprog([0, 0, -1], np.array(rows), ends, bounds=[(None, None)] * 2 + [(0, 1)])
-    assert ((box[1] - box[0]) / 2 / half) == pytest.approx([-found.fun] * 2, rel=1e-6)
+    solution = linprog([0, 0, -1], np.array(rows), ends, bounds=[(None, None)] * 2 + [(0, 1)])
+    assert ((box[1] - box[0]) / 2 / half) == pytest.approx([-solution.fun] * 2, rel=1e-6)
 
 
-def test_a_target_that_holds_no_tube_is_refused() -> None:
+def test_a_target_too_narrow_for_a_tube_is_refused() -> None:
     with pytest.raises(NotCertified, match="a way opens at tube.min_width = 0.02"):
         built(parse_task(TEXTS["room"].replace("offsets = [-8.8, 9.5]", "offsets = [-8.8, 8.85]")))
 
@@ -238,24 +245,24 @@ def test_a_target_that_holds_no_tube_is_refused() -> None:
         ('name = "room"', 'name = "room"\ntube = { design = "adaptive" }', ["state_space", "refined"]),
     ],
 )  # fmt: skip
-def test_what_is_no_region_is_refused(old: str, new: str, words: list[str]) -> None:
+def test_malformed_polytopes_are_refused(old: str, new: str, words: list[str]) -> None:
     with pytest.raises(BadInput) as caught:
         parse_task(TEXTS["room"].replace(old, new))
     assert all(word in str(caught.value) for word in words), caught.value
 
 
-def test_half_spaces_along_axes_are_edges() -> None:
-    """A cut across one dimension is the tighter of both bounds, and couples nothing."""
-    plain = parse_task(
+def test_half_spaces_across_one_axis_are_bounds_of_it() -> None:
+    """A cut across one axis tightens a bound of the box, and couples no axes."""
+    task = parse_task(
         TEXTS["space"].replace(
             "normals = [[1, -1], [-1, 1], [1, 0]]\noffsets = [1.5, 3.5, 4.95]",
             "normals = [[1, 0], [-2, 0]]\noffsets = [4.9, -0.2]",
         )
     )
-    arena = arena_of(plain)
+    arena = arena_of(task)
     assert arena.space_cuts.bound.size == 0
     assert arena.space[:, 1] + float(arena.origin[1]) == pytest.approx([0.1, 4.9], abs=1e-4)
-    assert plain.space_cuts == (((0, 1, 0), Fraction("4.9")), ((0, -1, 0), Fraction("-0.1")))
+    assert task.space_cuts == (((0, 1, 0), Fraction("4.9")), ((0, -1, 0), Fraction("-0.1")))
 
 
 def test_half_spaces_that_leave_nothing_are_refused() -> None:

@@ -1,4 +1,7 @@
-"""Concave rooms by outline and holes, from the task file to the checker, judged by the listed corners (benchmarks/oracles/rooms.py)."""
+"""Concave rooms by outline and holes, from the task file to the checker.
+
+benchmarks/oracles/rooms.py judges them by the corners that the task lists, without the package's partition into convex sets.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,7 @@ from stt_codegen.task.map.polygons import convex_pieces
 from stt_codegen.task.task import Task
 from tests.support.command_line import run_command
 from tests.support.controllers import ROOT, built
-from tests.task.test_maps import FREE, OCCUPIED, YAML, saved
+from tests.task.test_maps import FREE, OCCUPIED, YAML, save_map
 
 CORNERS = "[[0, 0], [4, 0], [4, 2], [2, 2], [2, 4], [0, 4]]"
 ELL = f"""name = "ell"
@@ -65,7 +68,8 @@ SOLID = SHORT.replace('name = "ell"', 'name = "ell"\naxes = ["x", "heading", "y"
 ).replace("[0.6, 3.7]", "[3.7, 0.8, 0.6]").replace("outline =", 'axes = ["y", "x"]\nlower = [-1]\nupper = [1]\noutline =')  # fmt: skip
 
 
-def room_of(text: str) -> ListedRoom:
+def listed_room_of(text: str) -> ListedRoom:
+    """Return the room of a task's text as the oracle takes it: corners of the outline and of the holes."""
     space = tomllib.loads(text)["state_space"]
     return room_from_numbers(space["outline"], space.get("holes", []))
 
@@ -74,7 +78,7 @@ def room_of(text: str) -> ListedRoom:
 
 
 @pytest.mark.parametrize("field", ["state_space", "target_set"])
-def test_a_concave_list_of_vertices_is_no_set_to_stay_or_arrive_in(field: str) -> None:
+def test_concave_vertices_of_the_state_space_or_target_are_refused(field: str) -> None:
     text = BY_VERTICES
     if field == "target_set":
         text = SHORT.replace(
@@ -82,105 +86,109 @@ def test_a_concave_list_of_vertices_is_no_set_to_stay_or_arrive_in(field: str) -
         )
     with pytest.raises(BadInput) as caught:
         parse_task(text)
-    at, words = (3, "outline = [..]") if field == "state_space" else (2, "convex part")
-    assert f"{field}.vertices[{at}]: lies inside the hull of the others; a set is convex" in str(caught.value)
+    index, words = (3, "outline = [..]") if field == "state_space" else (2, "convex part")
+    assert f"{field}.vertices[{index}]: lies inside the hull of the others; a set is convex" in str(caught.value)
     assert words in str(caught.value)
 
 
-@pytest.mark.parametrize("more", ["[2, 0]", "[0, 0]"], ids=["on a side", "closing"])
-def test_points_on_the_boundary_of_the_hull_do_no_harm(more: str) -> None:
+@pytest.mark.parametrize("extra_point", ["[2, 0]", "[0, 0]"], ids=["on a side", "closing"])
+def test_points_on_the_boundary_of_the_hull_do_no_harm(extra_point: str) -> None:
     convex = BY_VERTICES.replace(", [2, 2], [2, 4]", "")
-    found = parse_task(convex.replace("[0, 4]]", f"[0, 4], {more}]"))
-    assert sorted(found.space_cuts) == sorted(parse_task(convex).space_cuts)
+    task = parse_task(convex.replace("[0, 4]]", f"[0, 4], {extra_point}]"))
+    assert sorted(task.space_cuts) == sorted(parse_task(convex).space_cuts)
 
 
 def test_the_outline_of_an_ell_is_certified_and_checked_and_its_tube_is_in_it(tmp_path: Path) -> None:
-    """The remedy that the message names: the same corners as an outline, beside lower and upper too."""
+    """This is the remedy that the message names: the same corners as an outline, also beside lower and upper."""
     (tmp_path / "ell.toml").write_text(BY_VERTICES.replace("vertices =", "outline ="))
-    made = build(tmp_path / "ell.toml")
-    assert made.certificate.holds
-    assert times_outside(room_of(ELL), made.design, (0, 1), (Fraction(0),) * 2, clearance=Fraction("0.05"), parts=16) == []
-    for name, data in made.files.items():
+    controller = build(tmp_path / "ell.toml")
+    assert controller.certificate.holds
+    assert times_outside(listed_room_of(ELL), controller.design, (0, 1), (Fraction(0),) * 2, clearance=Fraction("0.05"), parts=16) == []
+    for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
-    asked = [str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]
-    assert checker.main(asked) == 0
-    assert checker.main([str(tmp_path / "ell.toml"), *asked[1:]]) == 2
-    spelled = load_task(tmp_path / "ell.task.toml")
-    assert (spelled.digest, spelled.obstacles) == (made.task.digest, made.task.obstacles)
-    assert [s.name for s in spelled.unsafe] == ["box", "wall1"]
-    assert task_notes(made.task) == ("state_space: the outline is a box less 1 convex unsafe set, wall1, an exact partition",)
-    assert task_notes(spelled) == ()
-    assert made.files == built(Task(**DATA)).files
+    paths = [str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]
+    assert checker.main(paths) == 0
+    assert checker.main([str(tmp_path / "ell.toml"), *paths[1:]]) == 2  # the checker reads no outlines
+    expanded = load_task(tmp_path / "ell.task.toml")
+    assert (expanded.digest, expanded.obstacles) == (controller.task.digest, controller.task.obstacles)
+    assert [s.name for s in expanded.unsafe] == ["box", "wall1"]
+    assert task_notes(controller.task) == (
+        "state_space: the outline is a box less 1 convex unsafe set, wall1, an exact partition",
+    )
+    assert task_notes(expanded) == ()
+    assert controller.files == built(Task(**DATA)).files
 
 
-def test_the_number_of_sets_is_said_where_a_tube_is_designed_and_written(tmp_path: Path) -> None:
+def test_design_and_generate_print_the_number_of_sets_of_an_outline(tmp_path: Path) -> None:
     (tmp_path / "ell.toml").write_text(ELL)
-    shown = run_command("design", str(tmp_path / "ell.toml"), "--json")
-    assert "less 1 convex unsafe set, wall1" in json.loads(shown.stdout)["notes"][0]
-    written = run_command("generate", str(tmp_path / "ell.toml"), "--record", str(tmp_path / "made"))
-    assert written.returncode == 0
-    assert "less 1 convex unsafe set, wall1" in written.stderr
-    assert check(tmp_path / "made") == []
+    designed = run_command("design", str(tmp_path / "ell.toml"), "--json")
+    assert "less 1 convex unsafe set, wall1" in json.loads(designed.stdout)["notes"][0]
+    generated = run_command("generate", str(tmp_path / "ell.toml"), "--record", str(tmp_path / "generated"))
+    assert generated.returncode == 0
+    assert "less 1 convex unsafe set, wall1" in generated.stderr
+    assert check(tmp_path / "generated") == []
 
 
-def test_python_tables_arrays_and_changes_say_the_same() -> None:
-    made = Task(**DATA)
+def test_python_tables_arrays_and_changed_give_the_same_task() -> None:
+    task = Task(**DATA)
     corners = np.array(json.loads(CORNERS))
-    assert made == parse_task(ELL) == Task(**{**DATA, "state_space": {"outline": corners}})
-    later = made.changed(prescribed_time=12)
+    assert task == parse_task(ELL) == Task(**{**DATA, "state_space": {"outline": corners}})
+    later = task.changed(prescribed_time=12)
     assert later == parse_task(ELL.replace("prescribed_time = 10", "prescribed_time = 12"))
     assert later.changed(state_space={"holes": [[[1, 0.05], [1.2, 0.05], [1.1, 0.2]]]}).unsafe[2].name == "wall2"
-    assert Task.model_validate(made).expanded_text == made.expanded_text
+    assert Task.model_validate(task).expanded_text == task.expanded_text
 
 
-def test_a_room_with_other_axes_and_a_body(tmp_path: Path) -> None:
-    """Its axes in the other order, one between them; walls grow by the body, and the state space shrinks."""
-    made = built(parse_task(SOLID))
-    assert made.task.state_space.lower == (0, -1, 0)
-    assert made.certificate.holds
+def test_a_room_on_two_of_three_axes_with_a_body_is_certified(tmp_path: Path) -> None:
+    """The axes of the outline are the third and the first. Walls grow by the body, and the state space shrinks."""
+    controller = built(parse_task(SOLID))
+    assert controller.task.state_space.lower == (0, -1, 0)
+    assert controller.certificate.holds
     body = [Fraction("0.1"), Fraction(0), Fraction("0.05")]
-    assert times_outside(room_of(SOLID), made.design, (2, 0), body, clearance=Fraction("0.05")) == []
-    for name, data in made.files.items():
+    assert times_outside(listed_room_of(SOLID), controller.design, (2, 0), body, clearance=Fraction("0.05")) == []
+    for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
     assert checker.main([str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]) == 0
 
 
-def test_a_map_and_an_outline_stand_together(tmp_path: Path) -> None:
-    """The sets of both are spelled out, whichever of the walls is in the way."""
+def test_a_map_and_an_outline_can_be_combined(tmp_path: Path) -> None:
+    """The expanded task has the sets of both."""
     pixels = np.full((90, 90), FREE)
     pixels[20:40, 0:20] = OCCUPIED
-    saved(tmp_path, pixels, YAML.replace("[-1.0, 0.5, 0.0]", "[-0.2, -0.2, 0.0]"))
+    save_map(tmp_path, pixels, YAML.replace("[-1.0, 0.5, 0.0]", "[-0.2, -0.2, 0.0]"))
     (tmp_path / "ell.toml").write_text(SHORT + '[map]\nfile = "hall.yaml"\n')
-    made = build(tmp_path / "ell.toml")
-    assert made.task.expanded_keys == ("map", "outline")
-    assert {s.name for s in made.task.unsafe} == {"map 1", "wall1"}
-    for name, data in made.files.items():
+    controller = build(tmp_path / "ell.toml")
+    assert controller.task.expanded_keys == ("map", "outline")
+    assert {s.name for s in controller.task.unsafe} == {"map 1", "wall1"}
+    for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
-    assert load_task(tmp_path / "ell.task.toml").digest == made.task.digest
+    assert load_task(tmp_path / "ell.task.toml").digest == controller.task.digest
     assert checker.main([str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]) == 0
 
 
 def test_a_closing_corner_and_corners_on_a_side_do_no_harm() -> None:
-    more = SHORT.replace("[4, 0], ", "[2, 0], [4, 0], [4, 0], ").replace("[0, 4]]", "[0, 4], [0, 0]]")
-    assert parse_task(more).digest == parse_task(SHORT).digest
+    longer = SHORT.replace("[4, 0], ", "[2, 0], [4, 0], [4, 0], ").replace("[0, 4]]", "[0, 4], [0, 0]]")
+    assert parse_task(longer).digest == parse_task(SHORT).digest
 
 
-def test_names_of_walls_do_not_meet_those_of_the_task() -> None:
+def test_names_of_walls_differ_from_those_of_the_task() -> None:
     task = parse_task(ELL.replace('name = "box"', 'name = "wall1"'))
     assert [s.name for s in task.unsafe] == ["wall1", "wall2"]
 
 
-def test_a_given_box_cuts_the_room_and_walls_beyond_it_are_left_out() -> None:
+def test_a_box_beside_the_outline_cuts_the_room_and_drops_walls_beyond_it() -> None:
     task = parse_task(SHORT.replace("outline", "lower = [-9, 0]\nupper = [3.8, 9]\noutline"))
     assert (task.state_space.lower, task.state_space.upper) == ((0, 0), (Fraction("3.8"), 4))
-    low = (
+    low_room = (
         SHORT.replace("[0.4, 3.5]", "[0.4, 0.5]")
         .replace("[0.6, 3.7]", "[0.6, 0.7]")
         .replace("outline", "lower = [0, 0]\nupper = [4, 1]\noutline")
     )
-    assert parse_task(low).unsafe == ()
-    assert parse_task(low.replace("upper = [4, 1]", "upper = [4, 1.94]")).unsafe == ()
-    assert len(parse_task(low.replace("upper = [4, 1]", "upper = [4, 1.95]")).unsafe) == 1  # as near as the clearance
+    assert parse_task(low_room).unsafe == ()
+    assert parse_task(low_room.replace("upper = [4, 1]", "upper = [4, 1.94]")).unsafe == ()
+    assert (
+        len(parse_task(low_room.replace("upper = [4, 1]", "upper = [4, 1.95]")).unsafe) == 1
+    )  # at the distance of the clearance
 
 
 def test_the_room_of_the_documents_is_certified() -> None:
@@ -191,13 +199,13 @@ def test_the_room_of_the_documents_is_certified() -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_package_has_the_task_that_its_checker_reads(kind: str) -> None:
+def test_every_package_contains_the_expanded_task_for_the_checker(kind: str) -> None:
     files = package(built(parse_task(ELL.replace("[tube]", "[emit]\nrust = true\n[tube]"))), kind)
     units = [zipfile.ZipFile(io.BytesIO(data)).namelist() for path, data in files.items() if path.endswith(".fmu")]
     assert all(any(name.endswith("ell.task.toml") for name in names) for names in units or [list(files)])
 
 
-# ---------------------------------------------------------------------------------------------------------- what is no room
+# ---------------------------------------------------------------------------------------------------------- malformed rooms
 
 
 @pytest.mark.parametrize(
@@ -229,17 +237,17 @@ def test_every_package_has_the_task_that_its_checker_reads(kind: str) -> None:
         ("[0.4, 3.5]\nupper = [0.6, 3.7]", "[3, 3]\nupper = [3.2, 3.2]", ["target_set", "wall1, which state_space.outline leaves out"]),
     ],
 )  # fmt: skip
-def test_what_is_no_room_is_refused(old: str, new: str, words: list[str]) -> None:
+def test_malformed_rooms_are_refused(old: str, new: str, words: list[str]) -> None:
     with pytest.raises(BadInput) as caught:
         parse_task(SHORT.replace(old, new, 1))
     assert all(word in str(caught.value) for word in words), caught.value
 
 
-def test_what_another_design_does_not_take_is_said_of_the_wall_by_name() -> None:
+def test_a_wall_that_a_design_cannot_take_is_named() -> None:
     slanted = parse_task(SHORT.replace("[2, 2], [2, 4]", "[2, 2.5], [2, 4]"))
     with pytest.raises(BadInput, match="^wall1, which state_space.outline leaves out of its box.*refined"):
         slanted.with_options(design="adaptive")
-    assert parse_task(SHORT).with_options(design="adaptive").floor_plan == parse_task(SHORT).floor_plan  # whose wall is a box
+    assert parse_task(SHORT).with_options(design="adaptive").floor_plan == parse_task(SHORT).floor_plan  # its wall is a box
 
 
 def test_a_room_in_more_dimensions_names_its_axes() -> None:
@@ -253,13 +261,13 @@ def test_a_room_in_more_dimensions_names_its_axes() -> None:
 
 
 def test_a_note_says_how_much_the_hull_of_an_unsafe_set_adds() -> None:
-    """Of the L of cases: the square of side 2 that it leaves, less half of it beyond the hull."""
+    """The L, a quarter of the size, leaves a square of side 0.5, and half of that square is inside the hull."""
     table = f'[[unsafe]]\nname = "O2"\nvertices = {CORNERS.replace("4", "1").replace("2", "0.5")}\n'
     plain = SHORT.replace(f"outline = {CORNERS}", "lower = [-1, -1]\nupper = [9, 9]").replace("[tube]", table + "[tube]")
     plain = plain.replace("[3.6, 0.5]", "[3.6, 2.5]").replace("[3.5, 0.4]", "[3.5, 2.4]").replace("[3.7, 0.6]", "[3.7, 2.6]")
-    told = "its hull is 0.125{} larger than its outline; list convex parts if that space is needed"
-    assert task_notes(parse_task(plain)) == (f"unsafe O2: {told.format('')}",)
-    assert task_notes(parse_task('units = ["m", "m"]\n' + plain)) == (f"unsafe O2: {told.format(' m^2')}",)
+    note = "its hull is 0.125{} larger than its outline; list convex parts if that space is needed"
+    assert task_notes(parse_task(plain)) == (f"unsafe O2: {note.format('')}",)
+    assert task_notes(parse_task('units = ["m", "m"]\n' + plain)) == (f"unsafe O2: {note.format(' m^2')}",)
     shuffled = plain.replace("[0.5, 0.5], [0.5, 1]", "[0.5, 1], [0.5, 0.5]").replace("[1, 0], [1, 0.5]", "[1, 0.5], [1, 0]")
     assert task_notes(parse_task(shuffled)) == (
         "unsafe O2: its vertices are not all corners of their hull; the hull is what is avoided",
@@ -276,7 +284,7 @@ def test_a_note_says_how_much_the_hull_of_an_unsafe_set_adds() -> None:
         ('never = "both"', False),
     ],
 )
-def test_a_region_to_be_in_is_convex_and_one_to_keep_out_of_takes_a_note(entry: str, is_refused: bool) -> None:
+def test_a_concave_region_is_refused_to_be_in_and_noted_to_avoid(entry: str, is_refused: bool) -> None:
     region = '[[region]]\nname = "bend"\nvertices = [[2, 2], [3, 2], [3, 2.2], [2.2, 2.2], [2.2, 3], [2, 3]]\n'
     region += (
         '[[region]]\nname = "spot"\nlower = [1, 3]\nupper = [2, 3.5]\n[[region]]\nname = "both"\nany_of = ["spot", "bend"]\n'
@@ -293,8 +301,8 @@ def test_a_region_to_be_in_is_convex_and_one_to_keep_out_of_takes_a_note(entry: 
 
 
 @pytest.mark.parametrize("first", range(0, 60, 20))
-def test_walls_are_convex_and_fill_exactly_what_the_room_leaves_of_its_box(first: int) -> None:
-    """For stars and mazes, with holes, with any number of axes."""
+def test_walls_are_convex_and_fill_exactly_the_box_outside_the_room(first: int) -> None:
+    """Rooms are stars and mazes with holes, on two of two or more axes."""
     for seed in range(first, first + 20):
         drawn = rooms.draw(seed)
         task = parse_task(rooms.text_of(drawn))
@@ -307,49 +315,49 @@ coordinates = st.integers(-3, 3)
 @given(st.lists(st.tuples(coordinates, coordinates), min_size=4, max_size=12, unique=True), st.randoms(use_true_random=False))
 @example([(0, 0), (4, 0), (4, 4), (2, 3), (2, 2), (1, 3)], Random(0))  # a cut through a corner
 @settings(max_examples=300, deadline=None)
-def test_any_simple_polygon_is_parted_exactly(points: list[tuple[int, int]], chance) -> None:
-    """On a coarse grid, where corners lie on lines with others and on the box. Made simple by turning crossing parts around."""
+def test_any_simple_polygon_is_partitioned_exactly(points: list[tuple[int, int]], chance) -> None:
+    """Corners are on a coarse grid, so that many lie on one line or on the box. A polygon becomes simple by reversing crossing parts."""
     from stt_codegen.task.map.polygons import touching_sides, twice_area, without_straight_corners
 
     for _ in range(60):
-        met = touching_sides(points)
-        if met is None:
+        sides = touching_sides(points)
+        if sides is None:
             break
-        i, j = sorted(met)
+        i, j = sorted(sides)
         points = points[: i + 1] + points[i + 1 : j + 1][::-1] + points[j + 1 :]
     if touching_sides(points) is not None or not twice_area(points):
         return
-    room = room_from_numbers(points)
+    listed_room = room_from_numbers(points)
     if chance.random() < 0.5:
         points = points[::-1]
     scaled = [[(Fraction(x), Fraction(y)) for x, y in piece] for piece in partition(points, [])]
-    assert partition_fault(room, scaled) is None
+    assert partition_fault(listed_room, scaled) is None
     inner = [[(Fraction(x), Fraction(y)) for x, y in piece] for piece in convex_pieces(points)]
-    turning = len(without_straight_corners(points))
+    bend_count = len(without_straight_corners(points))
     assert sum(abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in zip(p, p[1:] + p[:1], strict=True))) for p in inner) == abs(
         twice_area(points)
     )
-    assert len(inner) <= turning - 2 or all(
+    assert len(inner) <= bend_count - 2 or all(
         a[0] == b[0] or a[1] == b[1] for a, b in zip(points, points[1:] + points[:1], strict=True)
     )
 
 
-def test_certified_rooms_hold_their_tubes() -> None:
-    """Briefly what benchmarks/rooms.py measures."""
+def test_certified_rooms_contain_their_tubes() -> None:
+    """These are three of the rooms that benchmarks/rooms.py measures."""
     assert {rooms.judge(seed, 2, False).outcome for seed in (6, 9, 11)} == {"certified"}
 
 
-def test_the_judge_of_rooms_sees_a_box_outside() -> None:
-    """The oracle itself, by hand: in the L, across its inner corner, in the part that is missing, and touching."""
-    room = room_of(ELL)
+def test_the_oracle_of_rooms_recognizes_a_box_outside() -> None:
+    """Boxes by hand: in the L, across its inner corner, in the corner that the L leaves out, and touching a wall."""
+    listed_room = listed_room_of(ELL)
 
-    def inside(*values: float, keep: float = 0) -> bool:
+    def inside(*values: float, clearance: float = 0) -> bool:
         a, b, c, d = (Fraction(str(v)) for v in values)
-        return contains_box(room, ((a, b), (c, d)), Fraction(str(keep)))
+        return box_is_inside(listed_room, ((a, b), (c, d)), Fraction(str(clearance)))
 
     assert inside(0, 0, 2, 2)
     assert inside(0, 0, 4, 2)
     assert not inside(1.9, 1.9, 2.1, 2.1)
     assert not inside(3, 3, 3.5, 3.5)
-    assert not inside(0, 0, 3, 2, keep=0.1)
-    assert inside(0, 0, 1.8, 4, keep=0.1)
+    assert not inside(0, 0, 3, 2, clearance=0.1)
+    assert inside(0, 0, 1.8, 4, clearance=0.1)

@@ -1,5 +1,8 @@
-"""Convex sets by normals and support. A polygon that the package has never heard of, one class and one table in this file, goes
-through design, exact certificate, C, closed loop and pictures, and is judged by its true shape throughout."""
+"""Convex sets by normals and support (`ConvexSet`).
+
+A polygon that the package does not know, one class and one table in this file, goes through design, exact certificate, C, closed loop
+and pictures. Its true shape is the judge throughout.
+"""
 
 from __future__ import annotations
 
@@ -45,14 +48,14 @@ class Polygon(ConvexSet):
 
     @property
     def normals(self) -> tuple[Normal, ...]:
-        found = list(axis_normals(2))
+        normals = list(axis_normals(2))
         for (a, b), (c, d) in zip(self.corners, self.corners[1:] + self.corners[:1], strict=True):
-            turned = (d - b, a - c)
-            whole = [int(v * lcm(*(w.denominator for w in turned))) for v in turned]
-            normal = tuple(v // gcd(*whole) for v in whole)
-            if normal not in found:
-                found.append(normal)
-        return tuple(found)
+            outward = (d - b, a - c)
+            integers = [int(v * lcm(*(w.denominator for w in outward))) for v in outward]
+            normal = tuple(v // gcd(*integers) for v in integers)
+            if normal not in normals:
+                normals.append(normal)
+        return tuple(normals)
 
     def support(self, normal: Normal) -> Fraction:
         return max(sum((c * v for c, v in zip(normal, p, strict=True)), Fraction(0)) for p in self.corners)
@@ -63,7 +66,7 @@ class Polygon(ConvexSet):
 
 
 class PolygonTable(Unsafe):
-    """What shapes.py would have: a table that knows its shape."""
+    """The table of a polygon in a task, as shapes.py has them for the shapes that ship."""
 
     corners: tuple[tuple[Fraction, Fraction], ...] = ()
 
@@ -119,7 +122,7 @@ def boxes(draw: st.DrawFn, n: int) -> BoxSet:
 
 @st.composite
 def polygons(draw: st.DrawFn) -> Polygon:
-    """The hull of random points, by turns to the left."""
+    """Draw the hull of random points, or a triangle where they are on one line."""
     points = draw(st.lists(st.tuples(numbers, numbers), min_size=3, max_size=7, unique=True))
     corners = hull(points)
     return Polygon(
@@ -128,23 +131,26 @@ def polygons(draw: st.DrawFn) -> Polygon:
 
 
 def hull(points: Points) -> Points:
+    """Return the corners of the convex hull counterclockwise, as chains of left turns."""
+
     def half(ordered: Points) -> Points:
-        found: Points = []
+        chain: Points = []
         for p in ordered:
-            while len(found) > 1 and cross(found[-2], found[-1], p) <= 0:
-                found.pop()
-            found.append(p)
-        return found[:-1]
+            while len(chain) > 1 and cross(chain[-2], chain[-1], p) <= 0:
+                chain.pop()
+            chain.append(p)
+        return chain[:-1]
 
     return half(sorted(points)) + half(sorted(points, reverse=True))
 
 
 def cross(a, b, c) -> Fraction:
+    """Return twice the area of the triangle a, b, c: positive where it turns left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def clipped(corners: Points, box: BoxSet) -> Points:
-    """The polygon within a closed box, by Sutherland and Hodgman; exact."""
+    """Return the exact corners of the polygon within a closed box, by the algorithm of Sutherland and Hodgman."""
     for i in (0, 1):
         for sign, bound in ((1, -box.lower[i]), (-1, box.upper[i])):
             inside = [sign * p[i] + bound for p in corners]
@@ -161,33 +167,39 @@ def clipped(corners: Points, box: BoxSet) -> Points:
 
 
 @given(boxes(3), boxes(3))
-def test_boxes_are_apart_and_cover_as_their_edges_say(one: BoxSet, other: BoxSet) -> None:
-    pairs = list(zip(one.lower, one.upper, other.lower, other.upper, strict=True))
-    assert one.is_apart_from(other.lower, other.upper) == any(b < c or d < a for a, b, c, d in pairs)
-    assert one.covers(other.lower, other.upper) == all(a <= c and d <= b for a, b, c, d in pairs)
-    assert [one.span(i) for i in range(3)] == list(zip(one.lower, one.upper, strict=True))
+def test_boxes_are_apart_and_cover_as_their_edges_say(box: BoxSet, second_box: BoxSet) -> None:
+    pairs = list(zip(box.lower, box.upper, second_box.lower, second_box.upper, strict=True))
+    assert box.is_apart_from(second_box.lower, second_box.upper) == any(b < c or d < a for a, b, c, d in pairs)
+    assert box.covers(second_box.lower, second_box.upper) == all(a <= c and d <= b for a, b, c, d in pairs)
+    assert [box.span(i) for i in range(3)] == list(zip(box.lower, box.upper, strict=True))
 
 
 @given(polygons(), boxes(2))
 @settings(max_examples=300)
-def test_a_polygon_is_apart_from_a_box_just_where_they_share_no_point(polygon: Polygon, box: BoxSet) -> None:
+def test_a_polygon_is_apart_from_a_box_exactly_if_they_share_no_point(polygon: Polygon, box: BoxSet) -> None:
     assert polygon.is_apart_from(box.lower, box.upper) == (not clipped(polygon.corners, box))
 
 
 @given(polygons(), st.tuples(numbers.map(abs), numbers.map(abs)), st.tuples(numbers, numbers))
-def test_a_grown_set_holds_a_point_just_where_the_box_about_it_meets_the_set(polygon: Polygon, half: Vector, at: Vector) -> None:
+def test_a_grown_set_contains_a_point_exactly_if_the_box_about_it_meets_the_set(
+    polygon: Polygon, half: Vector, point: Vector
+) -> None:
     grown = polygon.grown(half)
-    about = BoxSet(tuple(v - h for v, h in zip(at, half, strict=True)), tuple(v + h for v, h in zip(at, half, strict=True)))
-    assert grown.is_apart_from(at, at) == polygon.is_apart_from(about.lower, about.upper)
+    box = BoxSet(tuple(v - h for v, h in zip(point, half, strict=True)), tuple(v + h for v, h in zip(point, half, strict=True)))
+    assert grown.is_apart_from(point, point) == polygon.is_apart_from(box.lower, box.upper)
     for normal, offset in grown.faces:
         assert max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in grown.vertices) == offset
 
 
 @given(polygons(), boxes(2), st.fractions(min_value=0, max_value=1, max_denominator=8))
-def test_the_slack_of_a_row_is_the_clearance_beyond(polygon: Polygon, box: BoxSet, clearance: Fraction) -> None:
-    """A row holds by s just where the set grown by clearance + s is not past its normal."""
-    for row, (normal, offset) in zip(separation_constraints(polygon, clearance), polygon.faces, strict=True):
-        slack = (minimum_over_box(normal, box.lower, box.upper) - row.bound - row.clearance) / row.slack_per_distance
+def test_the_slack_of_a_constraint_is_the_distance_beyond_the_clearance(
+    polygon: Polygon, box: BoxSet, clearance: Fraction
+) -> None:
+    """A constraint has the slack s exactly if the box touches the face of the set grown by clearance + s."""
+    for constraint, (normal, offset) in zip(separation_constraints(polygon, clearance), polygon.faces, strict=True):
+        slack = (
+            minimum_over_box(normal, box.lower, box.upper) - constraint.bound - constraint.clearance
+        ) / constraint.slack_per_distance
         assert minimum_over_box(normal, box.lower, box.upper) == offset + (clearance + slack) * sum(map(abs, normal))
 
 
@@ -199,37 +211,42 @@ def test_the_outline_of_a_set_is_its_corners(polygon: Polygon) -> None:
 
 @given(polygons(), st.lists(st.tuples(numbers, numbers), min_size=1, max_size=20), st.tuples(numbers, numbers))
 @settings(max_examples=60)
-def test_what_the_route_sees_is_what_there_is(polygon: Polygon, points: Points, eye: tuple[Fraction, Fraction]) -> None:
-    """Inside and in sight of the grown set, against exact arithmetic, but where a line all but touches."""
+def test_route_obstacles_agree_with_exact_inclusion_and_visibility(
+    polygon: Polygon, points: Points, eye: tuple[Fraction, Fraction]
+) -> None:
+    """Whether points are inside the grown set, or visible past it, agrees with exact arithmetic, except where a line nearly touches it."""
     reach = Fraction(1, 4)
     table = PolygonTable.model_construct(name="P", axes=None, corners=tuple(polygon.corners))
     space = parse_task(PLAIN).state_space.model_copy(update={"lower": (Fraction(-9),) * 2, "upper": (Fraction(9),) * 2})
-    seen = grow_obstacles(arena_of(with_sets(table, state_space=space)), np.full(2, float(reach)))
+    obstacles = grow_obstacles(arena_of(with_sets(table, state_space=space)), np.full(2, float(reach)))
     grown = polygon.grown((reach, reach))
-    given_points = np.array([[float(v) for v in p] for p in points])
-    for p, inside, free in zip(
-        points, seen.contain(given_points), seen.visible_from(np.array([float(v) for v in eye]), given_points), strict=True
+    points_array = np.array([[float(v) for v in p] for p in points])
+    for p, is_inside, is_visible in zip(
+        points,
+        obstacles.contain(points_array),
+        obstacles.visible_from(np.array([float(v) for v in eye]), points_array),
+        strict=True,
     ):
         depth = min(offset - sum(c * v for c, v in zip(n, p, strict=True)) for n, offset in grown.faces)
         if abs(depth) > 1e-9:
-            assert bool(inside) == (depth > 0)
-        first, final = Fraction(0), Fraction(1)
+            assert bool(is_inside) == (depth > 0)
+        entry, exit_ = Fraction(0), Fraction(1)  # the share of the line from eye to p that is inside the set
         for n, offset in grown.faces:
-            here, there = (sum(c * v for c, v in zip(n, q, strict=True)) for q in (eye, p))
-            if here == there:
-                final = final if here < offset else Fraction(-1)
-            elif there > here:
-                final = min(final, (offset - here) / (there - here))
+            at_eye, at_point = (sum(c * v for c, v in zip(n, q, strict=True)) for q in (eye, p))
+            if at_eye == at_point:
+                exit_ = exit_ if at_eye < offset else Fraction(-1)
+            elif at_point > at_eye:
+                exit_ = min(exit_, (offset - at_eye) / (at_point - at_eye))
             else:
-                first = max(first, (offset - here) / (there - here))
-        if abs(final - first) > 1e-6:
-            assert bool(free) == (first > final)
+                entry = max(entry, (offset - at_eye) / (at_point - at_eye))
+        if abs(exit_ - entry) > 1e-6:
+            assert bool(is_visible) == (entry > exit_)
 
 
 # ----------------------------------------------------------------------------------------------- the polygon, end to end
 
 
-def test_a_way_that_only_the_true_shapes_leave_is_found_and_certified(controller) -> None:
+def test_a_corridor_between_the_true_shapes_is_certified_and_closed_by_their_boxes(controller) -> None:
     assert controller.certificate.holds
     with pytest.raises(NotCertified):
         built(
@@ -244,17 +261,17 @@ def test_a_way_that_only_the_true_shapes_leave_is_found_and_certified(controller
 
 
 def test_the_certified_tube_keeps_its_clearance_from_the_true_polygons(controller) -> None:
-    """At dense times, in exact numbers: the box, grown by the clearance, shares no point with a triangle."""
+    """At dense times, in exact numbers, the box grown by the clearance shares no point with a triangle."""
     low, high = controller.design.edges_at(np.linspace(0, 9, 2001))
-    keep, rounding = controller.task.tube.clearance, Fraction(1, 1 << 40)
+    clearance, rounding = controller.task.tube.clearance, Fraction(1, 1 << 40)
     for a, b in zip(low.tolist(), high.tolist(), strict=True):
-        box = BoxSet(tuple(Fraction(v) - keep + rounding for v in a), tuple(Fraction(v) + keep - rounding for v in b))
+        box = BoxSet(tuple(Fraction(v) - clearance + rounding for v in a), tuple(Fraction(v) + clearance - rounding for v in b))
         assert not any(clipped(list(table.corners), box) for table in (RIGHT, LEFT))
 
 
-def test_p4_falls_just_where_a_slanted_face_comes_too_near(controller) -> None:
-    """A triangle is pushed toward the tube. Where P4 holds, boxes grown by the clearance keep off it; where it falls, some box grown
-    by a table unit more than clearance and P7's error meets it."""
+def test_p4_fails_exactly_where_a_slanted_face_comes_too_near(controller) -> None:
+    """A triangle is pushed toward the tube. Where P4 holds, boxes grown by the clearance avoid the triangle; where it fails, some box
+    grown by clearance, P7's error and a table unit meets it."""
     design, error, clearance = controller.design, max(controller.certificate.edge_error), controller.task.tube.clearance
     low, high = design.edges_at(np.linspace(0, 9, 8 * design.segments + 1))
     verdicts = []
@@ -267,9 +284,9 @@ def test_p4_falls_just_where_a_slanted_face_comes_too_near(controller) -> None:
             if f.code == "P4"
         )
         verdicts.append(finding.holds)
-        keep = clearance + (Fraction(-1, 1 << 40) if finding.holds else error + Fraction(1, 100))
+        growth = clearance + (Fraction(-1, 1 << 40) if finding.holds else error + Fraction(1, 100))
         meets = any(
-            clipped(list(moved.corners), BoxSet(tuple(Fraction(v) - keep for v in a), tuple(Fraction(v) + keep for v in b)))
+            clipped(list(moved.corners), BoxSet(tuple(Fraction(v) - growth for v in a), tuple(Fraction(v) + growth for v in b)))
             for a, b in zip(low.tolist(), high.tolist(), strict=True)
         )
         assert meets != finding.holds
@@ -279,7 +296,7 @@ def test_p4_falls_just_where_a_slanted_face_comes_too_near(controller) -> None:
 
 
 def test_the_loop_judges_by_the_true_shape(controller) -> None:
-    """Runs of the certified controller hit nothing; a start inside a triangle is a hit, one in its bounding box alone is not."""
+    """The certified controller hits nothing. A start inside a triangle is a hit; a start that is only in its bounding box is not."""
     loop = Loop(controller, PLANTS["integrator"])
     for kind in ("none", "nearest", "outward"):
         run = loop.run(Scenario(rate=500.0, disturbance=kind, strength=0.0 if kind == "none" else 0.2))
@@ -290,19 +307,18 @@ def test_the_loop_judges_by_the_true_shape(controller) -> None:
     assert loop.run(Scenario(start=(3.4, 3.4))).hit is None
 
 
-def test_wind_toward_the_nearest_set_blows_along_its_face(controller) -> None:
-    """From a place nearest to the slanted side of a triangle, the push is along its normal."""
+def test_disturbance_toward_the_nearest_set_is_along_its_normal(controller) -> None:
+    """At a point nearest to the slanted side of a triangle, the disturbance acts along the normal of that side."""
     run = Loop(controller, PLANTS["integrator"]).run(Scenario(disturbance="nearest", strength=0.1, start=(2.9, 1.9)), trace=True)
     w = run.trace[0, 9:11]
     assert w == pytest.approx([0.1 / np.sqrt(2), -0.1 / np.sqrt(2)], rel=1e-6)
 
 
-def test_the_step_costs_what_it_costs_without_sets(controller) -> None:
+def test_unsafe_sets_do_not_add_to_the_cost_of_a_step(controller) -> None:
     assert cost_of(controller.program, "control") == cost_of(built(parse_task(PLAIN)).program, "control")
 
 
-def test_a_body_moves_every_face(controller) -> None:
-    """A robot of some size gets a narrower corridor, and its tube keeps off the grown triangles."""
+def test_the_tube_of_a_robot_with_a_body_avoids_the_grown_triangles(controller) -> None:
     body = (Fraction("0.2"), Fraction("0.1"))
     start = parse_task(PLAIN).initial_set.model_copy(update={"lower": (Fraction("0.2"), Fraction("0.1"))})
     target = parse_task(PLAIN).target_set.model_copy(
@@ -312,50 +328,52 @@ def test_a_body_moves_every_face(controller) -> None:
         RIGHT, LEFT, body=body, initial_set=start, target_set=target, initial_state=(Fraction("0.35"), Fraction("0.3"))
     )
     assert first_problem(task) is None
-    made = built(task)
-    assert made.certificate.holds
-    low, high = made.design.edges_at(np.linspace(0, 9, 500))
+    certified = built(task)
+    assert certified.certificate.holds
+    low, high = certified.design.edges_at(np.linspace(0, 9, 500))
     for a, b in zip(low.tolist(), high.tolist(), strict=True):
         assert all(s.is_apart_from(tuple(map(Fraction, a)), tuple(map(Fraction, b))) for s in task.obstacles)
 
 
-def test_checks_ask_the_shape() -> None:
+def test_checks_of_a_task_use_the_true_shape() -> None:
     """A triangle whose bounding box covers the start is fine where it does not touch it, and refused where it does."""
     near = polygon_of("near", ("0", "1.5"), ("1.5", "0"), ("1.5", "1.5"))
     assert first_problem(with_sets(near)) is None
     over = polygon_of("over", ("0", "0.9"), ("0.9", "0"), ("1.5", "1.5"))
-    told = first_problem(with_sets(over))
-    assert told is not None
-    assert "over" in told
+    problem = first_problem(with_sets(over))
+    assert problem is not None
+    assert "over" in problem
 
 
-def test_pictures_show_it(controller, tmp_path) -> None:
+def test_pictures_of_a_polygon_are_drawn(controller, tmp_path) -> None:
     draw(controller, tmp_path / "diagonal.png")
     assert (tmp_path / "diagonal.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_adaptive_tubes_are_judged_by_the_true_shape() -> None:
-    """A triangle beside the straight way: the search goes around its bounding box, and the enclosure certifies with the true faces.
-    One laid upon the tube is found out; one whose bounding box alone meets the tube is not held against it."""
+    """A triangle is beside the straight way: the search goes around its bounding box, and the enclosure certifies with the true
+    faces. A triangle on the tube is detected; a triangle of which only the bounding box meets the tube is no failure."""
     corner = polygon_of("corner", ("2.2", "1.6"), ("3.4", "1.6"), ("3.4", "2.8"))
     options = parse_task(PLAIN).tube.model_copy(update={"design": "adaptive"})
-    task = with_sets(corner, tube=options)  # a file could not ask for it: designs of this kind offer boxes
+    task = with_sets(corner, tube=options)  # a task file cannot state this: adaptive designs take boxes only
     tube = design_adaptive(task)
     assert certify_enclosed(task, tube).holds
     low, high = (edges[1000] for edges in tube.edges_at(np.linspace(0, 9, 2001)))
     x, y = (f"{(a + b) / 2:.3f}" for a, b in zip(low, high, strict=True))
     on_it = polygon_of("on it", (x, y), (str(Fraction(x) + 1), y), (x, str(Fraction(y) + 1)))
-    found = falsify(with_sets(on_it), tube)
-    assert next(f for f in found.failures if f.code == "P4").obstacle == "on it"
+    falsification = falsify(with_sets(on_it), tube)
+    assert next(f for f in falsification.failures if f.code == "P4").obstacle == "on it"
     a, b = Fraction(f"{high[0] + 0.2:.3f}"), Fraction(f"{low[1] - 0.2:.3f}")
     beside = polygon_of("beside", (str(a - 1), str(b - 1)), (str(a), str(b - 1)), (str(a), str(b)))
     assert "P4" not in {f.code for f in falsify(with_sets(beside), tube).failures}
 
 
-def test_every_row_of_a_choice_is_sound() -> None:
-    """Each row of P4 alone keeps box and set apart: normals may be missing, none may be wrong."""
-    for one, shape in zip(avoidances(CORRIDOR), CORRIDOR.obstacles, strict=True):
-        for row, (x, y) in product(one.alternatives, [(Fraction(a, 4), Fraction(b, 4)) for a in range(20) for b in range(20)]):
-            left = sum(c * ((x, y)[i]) for i, _, c in row.terms)
-            if left >= row.bound + row.clearance:
+def test_every_alternative_constraint_of_an_avoidance_is_sound() -> None:
+    """Any one constraint of P4 keeps box and set apart: normals may be missing, but no normal may be wrong."""
+    for avoidance, shape in zip(avoidances(CORRIDOR), CORRIDOR.obstacles, strict=True):
+        for constraint, (x, y) in product(
+            avoidance.alternatives, [(Fraction(a, 4), Fraction(b, 4)) for a in range(20) for b in range(20)]
+        ):
+            value = sum(c * ((x, y)[i]) for i, _, c in constraint.terms)
+            if value >= constraint.bound + constraint.clearance:
                 assert shape.is_apart_from((x, y), (x, y))

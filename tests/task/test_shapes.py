@@ -1,5 +1,5 @@
-"""Unsafe sets of every shape, from a task file to the checker: hulls of points, half-spaces, balls, capsules, boxes, all of them
-also in some of the dimensions alone. The truth is told by linear programs and by distances that are sought, nothing of ours."""
+"""Unsafe sets of every shape, from a task file to the checker: hulls of points, half-spaces, balls, capsules and boxes, each also on
+some of the axes only. Oracles are linear programs and distances by numerical search, without code of the package."""
 
 from __future__ import annotations
 
@@ -67,16 +67,18 @@ SHAPES: dict[str, tuple[str, tuple[str, ...]]] = {
     "pillars": (SPACE, ('lower = [1, 1]\nupper = [2, 3]\naxes = ["x", "z"]', 'centre = [3, 3]\nradius = 0.5\naxes = ["y", "x"]')),
 }
 SHAPES["one axis"] = (FLAT, ('lower = [1.2]\nupper = [3]\naxes = ["x2"]\nname = "strip"',))
-CLOSED = {"one axis"}  # a strip across the plane: refused, and rightly
+WITHOUT_WAY = {"one axis"}  # a strip across the plane leaves no way, so that the task is refused
 
 
 def text_of(name: str, body: bool = False) -> str:
+    """Return the text of a task of `SHAPES`, with a body or without."""
     head, tables = SHAPES[name]
     return head + (BODY[3 if head is SPACE else 2] if body else "") + "".join(f"\n[[unsafe]]\n{t}\n" for t in tables)
 
 
-def checked(text: str, files: dict[str, bytes], folder: Path) -> int:
-    name = next(n for n in files if n.endswith(".c"))[:-2]
+def checker_exit_code(text: str, files: dict[str, bytes], folder: Path) -> int:
+    """Write the emitted files and the text of the task into the folder, and return the exit code of the stand-alone checker."""
+    name = next(n for n in files if n.endswith(".c")).removesuffix(".c")
     for file, data in {**files, "task.toml": text.encode()}.items():
         (folder / file).write_bytes(data)
     return checker.main([str(folder / n) for n in ("task.toml", f"{name}.c", f"{name}.certificate.json")])
@@ -85,80 +87,83 @@ def checked(text: str, files: dict[str, bytes], folder: Path) -> int:
 # ------------------------------------------------------------------------------------------------------------- the oracle
 
 
-def least_gap(task: Task, unsafe: Unsafe, low: np.ndarray, high: np.ndarray) -> float:
-    """The least over boxes (T, n) of `gap`."""
-    own, body = list(task.axis_indices(unsafe)), np.array([float(v) for v in task.half_extents])
-    lower, upper = (low - body)[:, own], (high + body)[:, own]
+def smallest_gap(task: Task, unsafe: Unsafe, low: np.ndarray, high: np.ndarray) -> float:
+    """Return the smallest `gap` of boxes with edges low, high (T, n), grown by the body."""
+    axes, body = list(task.axis_indices(unsafe)), np.array([float(v) for v in task.half_extents])
+    lower, upper = (low - body)[:, axes], (high + body)[:, axes]
     if not isinstance(unsafe, UnsafeBall | UnsafeCapsule):
         return min(gap(task, unsafe, a, b) for a, b in zip(lower, upper, strict=True))
     ends = np.array((unsafe.segment if isinstance(unsafe, UnsafeCapsule) else (unsafe.centre,) * 2), dtype=float)
-    under, over = np.full(len(lower), -1.0), np.full(len(lower), 10.0)
+    apart_at, touching_at = np.full(len(lower), -1.0), np.full(len(lower), 10.0)
     for _ in range(50):
-        middle = (under + over) / 2
-        apart = nearest(ends, lower - middle[:, None], upper + middle[:, None]) > float(unsafe.radius)
-        under, over = np.where(apart, middle, under), np.where(apart, over, middle)
-    return float(under.min())
+        middle = (apart_at + touching_at) / 2
+        is_apart = distance_to_boxes(ends, lower - middle[:, None], upper + middle[:, None]) > float(unsafe.radius)
+        apart_at, touching_at = np.where(is_apart, middle, apart_at), np.where(is_apart, touching_at, middle)
+    return float(apart_at.min())
 
 
-def nearest(ends: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """The distances from a segment to boxes (T, n), sought along the segment by thirds."""
+def distance_to_boxes(ends: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Return the distances (T,) from a segment to boxes (T, n), by ternary search along the segment."""
 
-    def at(s: np.ndarray) -> np.ndarray:
+    def distance_at(s: np.ndarray) -> np.ndarray:
         p = ends[0] + s[:, None] * (ends[1] - ends[0])
         return np.linalg.norm(np.maximum(np.maximum(lower - p, p - upper), 0), axis=1)
 
     a, b = np.zeros(len(lower)), np.ones(len(lower))
     for _ in range(0 if (ends[0] == ends[1]).all() else 70):
         c, d = a + (b - a) / 3, b - (b - a) / 3
-        left = at(c) < at(d)
-        a, b = np.where(left, a, c), np.where(left, d, b)
-    return np.minimum(at((a + b) / 2), np.minimum(at(np.zeros_like(a)), at(np.ones_like(a))))
+        is_left_nearer = distance_at(c) < distance_at(d)
+        a, b = np.where(is_left_nearer, a, c), np.where(is_left_nearer, d, b)
+    at_ends = np.minimum(distance_at(np.zeros_like(a)), distance_at(np.ones_like(a)))
+    return np.minimum(distance_at((a + b) / 2), at_ends)
 
 
 def gap(task: Task, unsafe: Unsafe, lower: np.ndarray, upper: np.ndarray) -> float:
-    """How much a box may grow, in the largest component, until it meets an unsafe set in its own dimensions, negative where it
-    does: by what the table says of it, as a linear program."""
-    own, d = task.axis_indices(unsafe), len(lower)
-    if isinstance(unsafe, UnsafePolytope):  # x = sum of weights times points
+    """Return by how much a box may grow, in the largest component, until it meets an unsafe set; negative where they overlap.
+
+    The box is on the axes of the set. A linear program finds the value from the fields of the set's table.
+    """
+    axes, d = task.axis_indices(unsafe), len(lower)
+    if isinstance(unsafe, UnsafePolytope):  # a point of the hull is the sum of weights times points
         points = np.array(unsafe.vertices, dtype=float)
         count = len(points)
-        equal = (np.ones((1, count + 1)), [1.0])
-        equal[0][0, -1] = 0.0
+        weights_sum_to_one = (np.ones((1, count + 1)), [1.0])
+        weights_sum_to_one[0][0, -1] = 0.0
         rows = [*(np.append(points[:, i], -1.0) for i in range(d)), *(np.append(-points[:, i], -1.0) for i in range(d))]
-        bounds = [(0, None)] * count + [(None, None)]
-        found = linprog([0.0] * count + [1.0], np.array(rows), [*upper, *-lower], *equal, bounds=bounds)
+        weight_bounds = [(0, None)] * count + [(None, None)]
+        solution = linprog([0.0] * count + [1.0], np.array(rows), [*upper, *-lower], *weights_sum_to_one, bounds=weight_bounds)
     else:
         if isinstance(unsafe, UnsafeHalfSpaces):
             normals, offsets = np.array(unsafe.normals, dtype=float), [float(v) for v in unsafe.offsets]
-            space = [(float(task.state_space.lower[i]), float(task.state_space.upper[i])) for i in own]
+            space = [(float(task.state_space.lower[i]), float(task.state_space.upper[i])) for i in axes]
         else:
             assert isinstance(unsafe, UnsafeSet)
             normals, offsets = np.empty((0, d)), []
             space = [(float(a), float(b)) for a, b in zip(unsafe.lower, unsafe.upper, strict=True)]
         rows = [*(np.append(n, 0.0) for n in normals)]
         rows += [np.append(s * np.eye(d)[i], -1.0) for s in (1, -1) for i in range(d)]
-        found = linprog([0.0] * d + [1.0], np.array(rows), [*offsets, *upper, *-lower], bounds=[*space, (None, None)])
-    assert found.status == 0
-    return float(found.fun)
+        solution = linprog([0.0] * d + [1.0], np.array(rows), [*offsets, *upper, *-lower], bounds=[*space, (None, None)])
+    assert solution.status == 0
+    return float(solution.fun)
 
 
 # ------------------------------------------------------------------------------------------------------------- end to end
 
 
 @pytest.mark.parametrize("body", [False, True], ids=["point", "body"])
-@pytest.mark.parametrize("name", [n for n in SHAPES if n not in CLOSED])
+@pytest.mark.parametrize("name", [n for n in SHAPES if n not in WITHOUT_WAY])
 def test_every_shape_is_avoided_proved_checked_and_drawn(name: str, body: bool, tmp_path: Path) -> None:
     text = text_of(name, body)
     task = parse_task(text)
-    made = built(task)
-    assert made.certificate.holds
-    assert checked(text, made.files, tmp_path) == 0
-    keep = float(task.tube.clearance)
-    low, high = made.design.edges_at(np.linspace(0, 9, 301))
-    assert min(least_gap(task, s, low, high) for s in task.unsafe) > keep - 1e-7  # what the oracle's solver allows itself
-    bare = parse_task(text.split("\n[[unsafe]]", maxsplit=1)[0])
-    assert cost_of(made.program, "control") == cost_of(built(bare).program, "control")
-    draw(made, tmp_path / "drawn.png")
+    controller = built(task)
+    assert controller.certificate.holds
+    assert checker_exit_code(text, controller.files, tmp_path) == 0
+    clearance = float(task.tube.clearance)
+    low, high = controller.design.edges_at(np.linspace(0, 9, 301))
+    assert min(smallest_gap(task, s, low, high) for s in task.unsafe) > clearance - 1e-7  # the tolerance of the oracle's solver
+    task_without_sets = parse_task(text.split("\n[[unsafe]]", maxsplit=1)[0])
+    assert cost_of(controller.program, "control") == cost_of(built(task_without_sets).program, "control")
+    draw(controller, tmp_path / "drawn.png")
     assert (tmp_path / "drawn.png").stat().st_size > 5000
 
 
@@ -179,36 +184,38 @@ MOVES = {
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "slanted rod" else n for n in MOVES])
-def test_a_set_that_comes_nearer_is_refused_by_certificate_and_checker_where_the_truth_is(name: str, tmp_path: Path) -> None:
-    """The first set is changed step by step for one tube. Both verdicts are one, it falls once, and it is that of the oracle, but for
-    the room that is asked for the arithmetic and for normals that are not tried."""
+def test_certificate_and_checker_refuse_a_set_moved_nearer_where_the_oracle_does(name: str, tmp_path: Path) -> None:
+    """For one tube the first set is moved step by step. Certificate and checker agree, the verdict changes once, and it is the oracle's,
+    except for an allowance for rounding and for normals that are not tried."""
     head, tables = SHAPES[name]
-    made = built(parse_task(text_of(name)))
-    low, high = made.design.edges_at(np.linspace(0, 9, 8 * made.design.segments + 1))
-    given_set = {k: v for line in tables[0].splitlines() for k, v in [line.split(" = ", 1)]}
-    values = {k: eval(v) for k, v in given_set.items()}  # this file's own lists and numbers
-    spare = {"disc": 0.01, "capsule": 0.01, "slanted rod": 0.03, "cylinder": 0.01}.get(name, 1e-4)
+    controller = built(parse_task(text_of(name)))
+    low, high = controller.design.edges_at(np.linspace(0, 9, 8 * controller.design.segments + 1))
+    fields = {k: v for line in tables[0].splitlines() for k, v in [line.split(" = ", 1)]}
+    values = {k: eval(v) for k, v in fields.items()}  # lists and numbers that this file states
+    allowance = {"disc": 0.01, "capsule": 0.01, "slanted rod": 0.03, "cylinder": 0.01}.get(name, 1e-4)
     verdicts = []
     for k in range(-2, 24, 4):
-        changed = {**values, **MOVES[name](values, 0.04 * k)}
-        table = "\n".join(f"{key} = {value!r}".replace("'", '"') for key, value in changed.items())
+        moved_values = {**values, **MOVES[name](values, 0.04 * k)}
+        table = "\n".join(f"{key} = {value!r}".replace("'", '"') for key, value in moved_values.items())
         text = head + "".join(f"\n[[unsafe]]\n{t}\n" for t in (table, *tables[1:]))
         try:
             task = parse_task(text)
         except BadInput:
-            continue  # it has come to the start
-        found = certify(task, made.design, build_program(task, made.design))
-        verdicts.append(found.tube_holds)
-        assert (checked(text, render(task, made.design, made.program, found), tmp_path) == 0) == found.holds
-        truth = least_gap(task, task.unsafe[0], low, high)
-        keep = float(task.tube.clearance)
-        assert truth > keep - 1e-7 if found.holds else truth < keep + spare
+            continue  # the set meets the start
+        certificate = certify(task, controller.design, build_program(task, controller.design))
+        verdicts.append(certificate.tube_holds)
+        assert (
+            checker_exit_code(text, render(task, controller.design, controller.program, certificate), tmp_path) == 0
+        ) == certificate.holds
+        oracle_gap = smallest_gap(task, task.unsafe[0], low, high)
+        clearance = float(task.tube.clearance)
+        assert oracle_gap > clearance - 1e-7 if certificate.holds else oracle_gap < clearance + allowance
     assert verdicts == sorted(verdicts, reverse=True)
     assert len(set(verdicts)) == 2
 
 
-# Regions of a mission, by the form of the checker: one with all that the tube visits in it, and one where the tube never is. A capsule
-# has no half-spaces, and no mission is in it.
+# Regions of a mission by the checker's form: first a region that contains the whole tube, then one that the tube never meets. A capsule
+# has no half-spaces, so that no mission can demand to be in it.
 REGIONS = {
     "lower upper": ("lower = [-2, -2]\nupper = [7, 7]", "lower = [4, 0]\nupper = [5, 1]"),
     "vertices": ("vertices = [[-9, -9], [20, -9], [-9, 20]]", "vertices = [[4, 0], [5, 0], [5, 1]]"),
@@ -222,10 +229,10 @@ def mission_in(region: str) -> str:
     return f'{FLAT}\n[[region]]\nname = "dock"\n{region}\n[[mission]]\nvisit = "dock"\n'
 
 
-def test_the_checker_says_no_for_a_region_of_any_form_where_the_tube_never_is(
+def test_the_checker_refuses_a_region_of_any_form_that_the_tube_never_meets(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The files of a tube that visits a box, with another region in the task. Hashes alone must not be what refuses it."""
+    """The files are of a tube that visits a box, and the task has another region. The digest agrees, so that it cannot be the reason."""
     assert {*REGIONS, *UNVISITED} == set(checker.FORMS)
     controller = built(parse_task(mission_in("lower = [2, 2]\nupper = [3, 3]")))
     load = checker.Task.__init__
@@ -236,14 +243,14 @@ def test_the_checker_says_no_for_a_region_of_any_form_where_the_tube_never_is(
 
     monkeypatch.setattr(checker.Task, "__init__", load_with_digest)
     verdicts = {
-        form: tuple(checked(mission_in(region), controller.files, tmp_path) for region in regions)
+        form: tuple(checker_exit_code(mission_in(region), controller.files, tmp_path) for region in regions)
         for form, regions in {**REGIONS, **UNVISITED}.items()
     }
     assert verdicts == {**dict.fromkeys(REGIONS, (0, 1)), **dict.fromkeys(UNVISITED, (2, 2))}
 
 
-def test_the_checker_knows_no_half_spaces_of_a_set_by_fields_that_it_does_not_read() -> None:
-    """An empty list of conditions would hold of every point."""
+def test_the_checker_refuses_a_region_with_fields_that_it_does_not_read() -> None:
+    """Otherwise its list of half-spaces would be empty, and every point would satisfy it."""
     with pytest.raises(checker.Unusable, match="by 'corner'"):
         checker._cuts({"name": "dock", "corner": [2, 3]}, ["x", "y"])
 
@@ -268,45 +275,45 @@ def test_arenas_of_polygons_discs_and_capsules_are_certified_and_the_checker_agr
             )
         text = FLAT + "".join(f"\n[[unsafe]]\n{t}\n" for t in sets)
         try:
-            made = built(parse_task(text))
+            controller = built(parse_task(text))
         except SttError as refusal:
             assert str(refusal)
             continue
         certified += 1
-        assert checked(text, made.files, tmp_path) == 0
-        low, high = made.design.edges_at(np.linspace(0, 9, 121))
-        assert min(least_gap(made.task, s, low, high) for s in made.task.unsafe) > 0.03 - 1e-7
+        assert checker_exit_code(text, controller.files, tmp_path) == 0
+        low, high = controller.design.edges_at(np.linspace(0, 9, 121))
+        assert min(smallest_gap(controller.task, s, low, high) for s in controller.task.unsafe) > 0.03 - 1e-7
     assert certified >= 7
 
 
 def test_the_loop_judges_by_the_true_shape() -> None:
-    """In the ball, in what a body adds to it, and just outside of both though within every tangent plane that is tried."""
-    made = built(parse_task(text_of("disc", body=True)))
-    loop = Loop(made, PLANTS["integrator"])
-    corner = np.array([2.5 + 0.1, 2.4 + 0.05])  # of the body's box about the centre; from there the disc's arc
+    """Points are in the ball, in its growth by the body, and just outside of both but within every tangent plane that is tried."""
+    controller = built(parse_task(text_of("disc", body=True)))
+    loop = Loop(controller, PLANTS["integrator"])
+    corner = np.array([2.5 + 0.1, 2.4 + 0.05])  # of the body's box about the centre; the grown disc has its arc about it
     angle = math.radians(67.5 / 4)  # between two normals of the fan
-    for scale, hit in ((0.999, True), (1.001, False)):
-        at = corner + 1.2 * scale * np.array([math.cos(angle), math.sin(angle)])
-        assert hits_at_once(loop, at) == hit
-    rod = Loop(built(parse_task(text_of("slanted rod"))), PLANTS["integrator"])
+    for scale, is_hit in ((0.999, True), (1.001, False)):
+        start = corner + 1.2 * scale * np.array([math.cos(angle), math.sin(angle)])
+        assert starts_in_collision(loop, start) == is_hit
+    rod_loop = Loop(built(parse_task(text_of("slanted rod"))), PLANTS["integrator"])
     middle = np.array([2, 2, 2.5])
     across = np.cross([2, -2, 3], [0.0, 0, 1])
-    for scale, hit in ((0.999, True), (1.001, False)):
-        at = middle + 0.4 * scale * across / np.linalg.norm(across)
-        assert hits_at_once(rod, at) == hit
+    for scale, is_hit in ((0.999, True), (1.001, False)):
+        start = middle + 0.4 * scale * across / np.linalg.norm(across)
+        assert starts_in_collision(rod_loop, start) == is_hit
 
 
-def hits_at_once(loop: Loop, at: np.ndarray) -> bool:
-    run = loop.run(Scenario(start=tuple(at.tolist())))
+def starts_in_collision(loop: Loop, start: np.ndarray) -> bool:
+    run = loop.run(Scenario(start=tuple(start.tolist())))
     return run.hit is not None and run.hit_at == 0
 
 
-def test_wind_toward_a_ball_blows_to_its_centre() -> None:
+def test_disturbance_toward_a_ball_is_toward_its_centre() -> None:
     run = Loop(built(parse_task(text_of("ball"))), PLANTS["integrator"]).run(
         Scenario(disturbance="nearest", strength=0.1, start=(0.9, 1.3, 1.1)), trace=True
     )
-    way = np.array([2.5, 2.5, 2.4]) - [0.9, 1.3, 1.1]
-    assert run.trace[0, 13:16] == pytest.approx(0.1 * way / np.linalg.norm(way), rel=1e-6)
+    direction = np.array([2.5, 2.5, 2.4]) - [0.9, 1.3, 1.1]
+    assert run.trace[0, 13:16] == pytest.approx(0.1 * direction / np.linalg.norm(direction), rel=1e-6)
 
 
 # ------------------------------------------------------------------------------------------------------------- the shapes
@@ -331,32 +338,32 @@ def clouds(n: int) -> st.SearchStrategy[list[tuple[Fraction, ...]]]:
 
 @given(clouds(2))
 @settings(max_examples=200)
-def test_a_hull_in_the_plane_is_that_of_turns_to_the_left(points: Points) -> None:
+def test_a_hull_in_the_plane_has_the_corners_of_left_turns(points: Points) -> None:
     corners = hull(points)
     assert (affine_dimension(points) == 2) == (len(corners) > 2)
     assume(len(corners) > 2)
-    made = Hull.of(tuple(points))
-    assert {v.point for v in made.corners} == set(corners)
-    assert len(made.faces) == len(corners)
+    hull_of_points = Hull.of(tuple(points))
+    assert {v.point for v in hull_of_points.corners} == set(corners)
+    assert len(hull_of_points.faces) == len(corners)
 
 
 @pytest.mark.parametrize("n", [1, 3, 4])
 @given(data=st.data())
 @settings(max_examples=60, deadline=None)
-def test_a_hull_and_its_faces_say_the_same(n: int, data: st.DataObject) -> None:
+def test_corners_and_faces_of_a_hull_agree(n: int, data: st.DataObject) -> None:
     points = data.draw(clouds(n))
     assume(affine_dimension(points) == n)
-    made = Hull.of(tuple(points))
-    for normal, offset in made.faces:
+    hull_of_points = Hull.of(tuple(points))
+    for normal, offset in hull_of_points.faces:
         values = [sum(c * v for c, v in zip(normal, p, strict=True)) for p in points]
         assert max(values) == offset
         assert math.gcd(*normal) == 1
         assert (
             affine_dimension([p for p, v in zip(points, values, strict=True) if v == offset]) == n - 1
-        )  # all of a face is on it
+        )  # the points on a face span it
     space = (Fraction(-5),) * n, (Fraction(5),) * n
-    assert {v.point for v in cut_box(*space, made.faces)} == {v.point for v in made.corners}
-    for v in made.corners:  # no corner is in the hull of the others
+    assert {v.point for v in cut_box(*space, hull_of_points.faces)} == {v.point for v in hull_of_points.corners}
+    for v in hull_of_points.corners:  # no corner is in the hull of the others
         rest = [p for p in points if p != v.point]
         weights = linprog(
             [0.0] * len(rest),
@@ -370,25 +377,29 @@ def test_a_hull_and_its_faces_say_the_same(n: int, data: st.DataObject) -> None:
 @pytest.mark.parametrize("n", [2, 3, 4])
 @given(data=st.data())
 @settings(max_examples=80, deadline=None)
-def test_a_polytope_is_apart_from_a_box_just_where_no_point_is_shared(n: int, data: st.DataObject) -> None:
+def test_a_polytope_is_apart_from_a_box_exactly_if_they_share_no_point(n: int, data: st.DataObject) -> None:
     points, box = data.draw(clouds(n)), data.draw(boxes(n))
     assume(affine_dimension(points) == n)
     task = parse_task(PLAIN).model_copy(update={"axes": tuple("abcd"[:n])})
     table = UnsafePolytope(vertices=points, axes=list("abcd"[:n]))
-    truth = gap(task.model_copy(update={"state_space": box_table(n)}), table, *as_floats(box))
-    assume(abs(truth) > 1e-7)
+    oracle_gap = gap(task.model_copy(update={"state_space": box_table(n)}), table, *as_floats(box))
+    assume(abs(oracle_gap) > 1e-7)
     polytope = Polytope(points)
-    assert polytope.is_apart_from(box.lower, box.upper) == (truth > 0)
-    if n <= 3:  # one of the normals shows it
-        assert any(minimum_over_box(m, box.lower, box.upper) > h for m, h in polytope.faces) == (truth > 0)
+    assert polytope.is_apart_from(box.lower, box.upper) == (oracle_gap > 0)
+    if n <= 3:  # then one of the normals separates them
+        assert any(minimum_over_box(m, box.lower, box.upper) > h for m, h in polytope.faces) == (oracle_gap > 0)
     half = tuple(Fraction(k + 1, 8) for k in range(n))
-    about = tuple(a - h for a, h in zip(box.lower, half, strict=True)), tuple(b + h for b, h in zip(box.upper, half, strict=True))
-    assert polytope.grown(half).is_apart_from(box.lower, box.upper) == polytope.is_apart_from(*about)
-    inside = all(polytope.is_apart_from(c, c) is False for c in product(*zip(box.lower, box.upper, strict=True)))
-    assert polytope.covers(box.lower, box.upper) == inside
+    grown_box = (
+        tuple(a - h for a, h in zip(box.lower, half, strict=True)),
+        tuple(b + h for b, h in zip(box.upper, half, strict=True)),
+    )
+    assert polytope.grown(half).is_apart_from(box.lower, box.upper) == polytope.is_apart_from(*grown_box)
+    contains_corners = all(polytope.is_apart_from(c, c) is False for c in product(*zip(box.lower, box.upper, strict=True)))
+    assert polytope.covers(box.lower, box.upper) == contains_corners
 
 
 def box_table(n: int):
+    """Return the table of the state space from -9 to 9 on n axes."""
     return parse_task(PLAIN).state_space.model_copy(update={"lower": (Fraction(-9),) * n, "upper": (Fraction(9),) * n})
 
 
@@ -399,50 +410,52 @@ def as_floats(box: BoxSet) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
 @given(data=st.data())
 @settings(max_examples=80, deadline=None)
-def test_a_round_set_is_apart_where_its_distance_says(n: int, data: st.DataObject) -> None:
+def test_a_round_set_is_apart_exactly_if_the_distance_exceeds_its_radius(n: int, data: st.DataObject) -> None:
     ends, box = data.draw(st.lists(vectors(n), min_size=1, max_size=2, unique=True)), data.draw(boxes(n))
     radius = data.draw(st.fractions(min_value=Fraction(1, 8), max_value=3, max_denominator=8))
-    one = RoundSet(tuple(ends), radius)
+    round_set = RoundSet(tuple(ends), radius)
     line, (lower, upper) = np.array([ends[0], ends[-1]], dtype=float), as_floats(box)
-    distance = float(nearest(line, lower[None], upper[None])[0])
-    assert float(one.core.squared_distance_to(box.lower, box.upper)) == pytest.approx(distance**2, abs=1e-9)
+    distance = float(distance_to_boxes(line, lower[None], upper[None])[0])
+    assert float(round_set.core.squared_distance_to(box.lower, box.upper)) == pytest.approx(distance**2, abs=1e-9)
     assume(abs(distance - float(radius)) > 1e-6)
-    assert one.is_apart_from(box.lower, box.upper) == (distance > radius)
+    assert round_set.is_apart_from(box.lower, box.upper) == (distance > radius)
     corners = np.array(list(product(*zip(box.lower, box.upper, strict=True))), dtype=float)
-    farthest = float(nearest(line, corners, corners).max())
+    farthest = float(distance_to_boxes(line, corners, corners).max())
     assume(abs(farthest - float(radius)) > 1e-6)
-    assert one.covers(box.lower, box.upper) == (farthest <= radius)
+    assert round_set.covers(box.lower, box.upper) == (farthest <= radius)
 
 
 @pytest.mark.parametrize("n", [2, 3, 4])
 @given(data=st.data())
 @settings(max_examples=60)
-def test_the_support_of_a_round_set_is_never_too_small_and_hardly_too_large(n: int, data: st.DataObject) -> None:
+def test_the_support_of_a_round_set_is_rounded_up_by_at_most_2_to_the_minus_32(n: int, data: st.DataObject) -> None:
     ends = data.draw(st.lists(vectors(n), min_size=1, max_size=2, unique=True))
     normal = data.draw(st.tuples(*[st.integers(-9, 9)] * n).filter(any))
-    one, square = RoundSet(tuple(ends), Fraction(3, 2)), sum(c * c for c in normal)
+    round_set, square = RoundSet(tuple(ends), Fraction(3, 2)), sum(c * c for c in normal)
     assert square <= size(normal) ** 2 < (Fraction(1, 1 << 32) + math.isqrt(square) + 1) ** 2
     assert (size(normal) - Fraction(1, 1 << 32)) ** 2 < square
-    most = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in ends)
-    assert one.support(normal) == most + Fraction(3, 2) * size(normal)
+    core_support = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in ends)
+    assert round_set.support(normal) == core_support + Fraction(3, 2) * size(normal)
 
 
-@pytest.mark.parametrize(("n", "most"), [(2, 0.006), (3, 0.05)])
-def test_what_the_fan_loses_of_a_ball(n: int, most: float) -> None:
-    """The farthest corner of what all tangent planes of the fan leave, about the unit ball."""
+@pytest.mark.parametrize(("n", "excess"), [(2, 0.006), (3, 0.05)])
+def test_the_tangent_planes_of_a_fan_enlarge_a_ball_by_little(n: int, excess: float) -> None:
+    """About the unit ball the farthest corner of the polytope within all tangent planes is at 1 + excess at most."""
     corner = (Fraction(2),) * n
-    left = cut_box(tuple(-c for c in corner), corner, [(m, size(m)) for m in fan(n)])
-    assert max(math.sqrt(sum(float(v) ** 2 for v in p.point)) for p in left) < 1 + most
+    corners = cut_box(tuple(-c for c in corner), corner, [(m, size(m)) for m in fan(n)])
+    assert max(math.sqrt(sum(float(v) ** 2 for v in p.point)) for p in corners) < 1 + excess
 
 
-@pytest.mark.parametrize("way", [(7, 3, 0), (0, 2, 9), (1, 2, 7), (1, 1, 1), (1, 0, 0), (-5, 11, 13)])
-def test_what_the_fans_lose_of_a_long_capsule_in_space(way: tuple[int, int, int]) -> None:
-    """Across the segment: the farthest point of a plane at right angles to it that is behind all normals at right angles."""
-    one = RoundSet(((Fraction(0),) * 3, tuple(Fraction(100 * v) for v in way)), Fraction(1))
-    across = [np.array(n) / np.linalg.norm(n) for n in one.normals if sum(a * b for a, b in zip(n, way, strict=True)) == 0]
-    base = across[0]
-    other = np.cross(np.array(way) / np.linalg.norm(way), base)
-    angles = sorted(math.atan2(float(n @ other), float(n @ base)) for n in across)
+@pytest.mark.parametrize("direction", [(7, 3, 0), (0, 2, 9), (1, 2, 7), (1, 1, 1), (1, 0, 0), (-5, 11, 13)])
+def test_the_tangent_planes_of_the_fans_enlarge_a_long_capsule_by_little(direction: tuple[int, int, int]) -> None:
+    """In a plane across the segment, the farthest point within all tangent planes that are parallel to the segment is below 1.006."""
+    capsule = RoundSet(((Fraction(0),) * 3, tuple(Fraction(100 * v) for v in direction)), Fraction(1))
+    across = [
+        np.array(n) / np.linalg.norm(n) for n in capsule.normals if sum(a * b for a, b in zip(n, direction, strict=True)) == 0
+    ]
+    first_axis = across[0]
+    second_axis = np.cross(np.array(direction) / np.linalg.norm(direction), first_axis)
+    angles = sorted(math.atan2(float(n @ second_axis), float(n @ first_axis)) for n in across)
     gaps = [b - a for a, b in zip(angles, [*angles[1:], angles[0] + 2 * math.pi], strict=True)]
     assert 1 / math.cos(max(gaps) / 2) < 1.006
 
@@ -510,18 +523,18 @@ def test_the_support_of_a_prism_is_the_greatest_over_its_vertices(points: Points
         ("centre = [2, 2]\nradius = 1\ncolour = 3", ["colour", "unknown key"]),
     ],
 )
-def test_what_is_no_set_is_refused(table: str, words: list[str]) -> None:
+def test_malformed_unsafe_sets_are_refused(table: str, words: list[str]) -> None:
     with pytest.raises(BadInput) as caught:
         parse_task(PLAIN + f"\n[[unsafe]]\n{table}\n")
     assert all(word in str(caught.value) for word in words), caught.value
 
 
-def test_a_disc_whose_bounding_box_meets_the_start_is_no_error() -> None:
+def test_a_disc_of_which_only_the_bounding_box_meets_the_start_is_accepted() -> None:
     assert parse_task(PLAIN + "\n[[unsafe]]\ncentre = [1, 1]\nradius = 0.7\n").dimension == 2
 
 
 @pytest.mark.parametrize("design", ["adaptive", "literal"])
-def test_the_papers_designs_know_boxes_alone(design: str) -> None:
+def test_the_papers_designs_refuse_sets_that_are_no_boxes(design: str) -> None:
     with pytest.raises(BadInput, match=r"unsafe\[0\].*refined"):
         parse_task(PLAIN + f'\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.4\n[tube]\ndesign = "{design}"\n')
 
@@ -531,16 +544,18 @@ def test_a_set_of_fewer_numbers_names_its_axes() -> None:
         parse_task(text_of("cylinder").replace('axes = ["x", "z"]\n', ""))
 
 
-def test_points_inside_the_hull_change_nothing_but_a_note() -> None:
-    more = (CORRIDOR[0].replace("[5, 3.8]]", "[5, 3.8], [4, 1]]"), CORRIDOR[1])
-    plain, other = (parse_task(PLAIN + "".join(f"\n[[unsafe]]\n{t}\n" for t in sets)) for sets in (CORRIDOR, more))
-    assert plain.obstacles == other.obstacles
+def test_points_inside_the_hull_add_only_a_note() -> None:
+    corridor_with_inner_point = (CORRIDOR[0].replace("[5, 3.8]]", "[5, 3.8], [4, 1]]"), CORRIDOR[1])
+    plain, with_inner_point = (
+        parse_task(PLAIN + "".join(f"\n[[unsafe]]\n{t}\n" for t in sets)) for sets in (CORRIDOR, corridor_with_inner_point)
+    )
+    assert plain.obstacles == with_inner_point.obstacles
     assert task_notes(plain) == ()
-    told = "its hull is 3.42 larger than its outline; list convex parts if that space is needed"
-    assert task_notes(other) == (f"unsafe U1: {told}",)
+    note = "its hull is 3.42 larger than its outline; list convex parts if that space is needed"
+    assert task_notes(with_inner_point) == (f"unsafe U1: {note}",)
 
 
-def test_a_box_with_all_of_its_axes_is_that_box() -> None:
+def test_a_box_that_names_all_axes_equals_the_box_without_axes() -> None:
     plain, named = (
         parse_task(PLAIN + f"\n[[unsafe]]\nlower = [2, 2]\nupper = [3, 3]\n{more}") for more in ("", 'axes = ["x1", "x2"]\n')
     )
@@ -550,25 +565,25 @@ def test_a_box_with_all_of_its_axes_is_that_box() -> None:
     assert not clipped(list(outline(turned.obstacles[0]).tolist()), BoxSet((Fraction(5),) * 2, (Fraction(6),) * 2))
 
 
-# ----------------------------------------------------------------------------------------------- found by who tried to break it
+# ----------------------------------------------------------------------------------------------- attacks of the past
 
 
-def judged(task: Task, place: Sequence[float]) -> bool:
-    """Whether the loop's judge calls a place a collision: a run of no samples."""
-    field, n, x = _Field(task), task.dimension, np.array(place, dtype=float)
+def is_collision(task: Task, point: Sequence[float]) -> bool:
+    """Return whether the loop's judge calls a point a collision, by a run of no samples that starts there."""
+    field, n, x = _Field(task), task.dimension, np.array(point, dtype=float)
     box = np.array([[s * float(i == k) for k in range(n)] + [1e6] for i in range(n) for s in (-1, 1)])
     setting = Setting(
         n=n, sets=len(field.names), order=1, samples=0, parts=1, period=1.0, end=1.0, start=x.ctypes.data, walls=2 * n, goals=2 * n,
         space=box.ctypes.data, target=box.ctypes.data, first=field.first.ctypes.data, faces=field.faces.ctypes.data,
         radius=field.radius.ctypes.data, ends=field.ends.ctypes.data,
     )  # fmt: skip
-    found = Judged()
-    driver(PLANTS["integrator"], n)(ctypes.byref(setting), None, None, None, ctypes.byref(found), None)
-    return bool(found.hit >= 0)
+    verdict = Judged()
+    driver(PLANTS["integrator"], n)(ctypes.byref(setting), None, None, None, ctypes.byref(verdict), None)
+    return bool(verdict.hit >= 0)
 
 
-def room(n: int, table: str, body: str = "") -> Task:
-    """A task in n dimensions with one unsafe set far from start and target."""
+def task_with_one_set(n: int, table: str, body: str = "") -> Task:
+    """Return a task in n dimensions with one unsafe set far from start and target."""
 
     def box(low: float, high: float) -> str:
         return f"{{ lower = {[low] * n}, upper = {[high] * n} }}"
@@ -582,7 +597,7 @@ def room(n: int, table: str, body: str = "") -> Task:
 
 @pytest.mark.parametrize("n", [2, 3, 5])
 def test_the_judge_of_round_sets_is_exact_to_rounding(n: int) -> None:
-    """Also of short and oblique segments, with a body, where projections converge slowly: within 1e-12 of the radius on both sides."""
+    """Points are within 1e-12 of the radius on both sides. Segments may be short and oblique, where projections converge slowly."""
     dice = Random(n)
     for _ in range(60):
         a = [Fraction(dice.randint(-200, 200), 100) for _ in range(n)]
@@ -600,39 +615,42 @@ def test_the_judge_of_round_sets_is_exact_to_rounding(n: int) -> None:
         texts = [[f"{float(v):.8f}" for v in end] for end in (a, b)]
         ends = ", ".join(f"[{', '.join(e)}]" for e in texts)
         body = f"body = [{', '.join(f'{float(h):.2f}' for h in half)}]"
-        for more, hit in ((1e-12, True), (-1e-12, False)):
-            task = room(n, f"segment = [{ends}]\nradius = {distance + more * 8:.15f}", body)
-            assert judged(task, [float(v) for v in x]) == hit
+        for excess, is_hit in ((1e-12, True), (-1e-12, False)):
+            task = task_with_one_set(n, f"segment = [{ends}]\nradius = {distance + excess * 8:.15f}", body)
+            assert is_collision(task, [float(v) for v in x]) == is_hit
 
 
-def test_the_judge_knows_polytopes_of_many_digits() -> None:
+def test_the_judge_decides_polytopes_with_many_digits() -> None:
     dice = Random(1)
     digits = ", ".join(f"[{', '.join(f'{1 + (k == i)}.{dice.randrange(10**39):039d}' for k in range(5))}]" for i in range(6))
-    task = room(5, f"vertices = [{digits}]")
+    task = task_with_one_set(5, f"vertices = [{digits}]")
     corners = np.array([[float(v) for v in p] for p in task.unsafe[0].vertices])
-    assert judged(task, corners.mean(axis=0).tolist())
-    assert not judged(task, (corners[0] + 1).tolist())
+    assert is_collision(task, corners.mean(axis=0).tolist())
+    assert not is_collision(task, (corners[0] + 1).tolist())
 
 
-def test_what_the_judge_cannot_tell_exactly_is_said() -> None:
+def test_sets_that_the_judge_cannot_decide_exactly_are_named() -> None:
     simplex = "vertices = [" + ", ".join(str([float(k == i) for k in range(4)]) for i in range(5)) + "]"
-    assert doubtful(room(4, simplex)) == []
-    assert doubtful(room(4, simplex, "body = [0.1, 0.1, 0.1, 0.1]")) == ["U1"]
-    assert doubtful(room(4, "centre = [0, 0, 0, 0]\nradius = 1", "body = [0.1, 0.1, 0.1, 0.1]")) == []
-    assert doubtful(room(4, 'vertices = [[0, 0], [1, 0], [0, 1]]\naxes = ["a0", "a2"]', "body = [0.1, 0.1, 0.1, 0.1]")) == []
+    assert doubtful(task_with_one_set(4, simplex)) == []
+    assert doubtful(task_with_one_set(4, simplex, "body = [0.1, 0.1, 0.1, 0.1]")) == ["U1"]
+    assert doubtful(task_with_one_set(4, "centre = [0, 0, 0, 0]\nradius = 1", "body = [0.1, 0.1, 0.1, 0.1]")) == []
+    assert (
+        doubtful(task_with_one_set(4, 'vertices = [[0, 0], [1, 0], [0, 1]]\naxes = ["a0", "a2"]', "body = [0.1, 0.1, 0.1, 0.1]"))
+        == []
+    )
 
 
-def test_a_set_in_some_axes_has_no_end_in_the_others() -> None:
+def test_a_set_on_some_axes_is_unbounded_on_the_others() -> None:
     for table in ("lower = [1]\nupper = [2]", "centre = [1.5]\nradius = 0.5"):
-        assert judged(room(2, f'{table}\naxes = ["a0"]'), (1.5, 20.0))
+        assert is_collision(task_with_one_set(2, f'{table}\naxes = ["a0"]'), (1.5, 20.0))
 
 
-def test_between_round_sets_no_way_is_only_not_found() -> None:
+def test_a_refusal_between_round_sets_says_only_that_no_way_was_found() -> None:
     """A fan of tangent planes may close a gap that the balls leave."""
     gap = 0.02
-    away = [math.cos(math.radians(95.65)), math.sin(math.radians(95.65))]
+    normal = [math.cos(math.radians(95.65)), math.sin(math.radians(95.65))]
     sets = "".join(
-        f"\n[[unsafe]]\ncentre = [{2.5 + s * (2 + gap / 2) * away[0]:.6f}, {2.5 + s * (2 + gap / 2) * away[1]:.6f}]\nradius = 2\n"
+        f"\n[[unsafe]]\ncentre = [{2.5 + s * (2 + gap / 2) * normal[0]:.6f}, {2.5 + s * (2 + gap / 2) * normal[1]:.6f}]\nradius = 2\n"
         for s in (1, -1)
     )
     walls = "".join(f"\n[[unsafe]]\nlower = [2.4, {a}]\nupper = [2.6, {b}]\n" for a, b in ((-0.2, 0.6), (4.4, 5.2)))
@@ -644,45 +662,45 @@ def test_between_round_sets_no_way_is_only_not_found() -> None:
         built(parse_task(text + sets + walls))
 
 
-def test_the_start_of_a_robot_at_a_balls_corner_is_judged_by_the_ball() -> None:
-    """The corner of a target that is not in a ball grown by the body, though within all of its tangent planes."""
-    task = room(2, "centre = [0, 0]\nradius = 2", "body = [0.05, 0.05]")
+def test_a_corner_near_a_grown_ball_is_judged_by_the_ball() -> None:
+    """A point may be outside a ball grown by the body, but within all of its tangent planes."""
+    task = task_with_one_set(2, "centre = [0, 0]\nradius = 2", "body = [0.05, 0.05]")
     (grown,) = task.obstacles
     angle = math.radians(5.65)
-    for reach, inside in ((2.001, False), (1.999, True)):
-        corner = tuple(Fraction(str(round(reach * v + 0.05, 6))) for v in (math.cos(angle), math.sin(angle)))
-        assert grown.covers(corner, corner) == inside
+    for distance, is_inside in ((2.001, False), (1.999, True)):
+        corner = tuple(Fraction(str(round(distance * v + 0.05, 6))) for v in (math.cos(angle), math.sin(angle)))
+        assert grown.covers(corner, corner) == is_inside
 
 
 @pytest.mark.parametrize("n", [9, 12, 64])
-def test_balls_in_many_dimensions_are_read_at_once(n: int) -> None:
+def test_balls_in_many_dimensions_are_read_within_20_seconds(n: int) -> None:
     begin = time.process_time()
-    task = room(n, f"centre = {[0] * n}\nradius = 1", f"body = {[0.1] * n}")
+    task = task_with_one_set(n, f"centre = {[0] * n}\nradius = 1", f"body = {[0.1] * n}")
     assert len(task.obstacles[0].route_corners) == 2 * n
     assert len(task.obstacles[0].normals) <= 2 * n * n
-    assert time.process_time() - begin < 20  # it took hours
+    assert time.process_time() - begin < 20  # listing all corners took hours
 
 
-def test_polytopes_in_many_dimensions_name_fewer() -> None:
+def test_polytopes_in_more_than_six_dimensions_are_refused() -> None:
     points = [[float(k == i) for k in range(8)] for i in range(9)]
     with pytest.raises(BadInput, match="at most 6 are taken, name them in axes"):
-        room(8, f"vertices = {points}")
+        task_with_one_set(8, f"vertices = {points}")
 
 
-def test_names_that_nobody_gave_follow_the_order() -> None:
-    made = parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.3\n\n[[unsafe]]\nlower = [3, 1]\nupper = [4, 2]\n")
-    last = made.changed(unsafe=made.unsafe[1:])
+def test_sets_without_a_name_are_numbered_in_their_order() -> None:
+    task = parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.3\n\n[[unsafe]]\nlower = [3, 1]\nupper = [4, 2]\n")
+    last = task.changed(unsafe=task.unsafe[1:])
     plain = parse_task(PLAIN + "\n[[unsafe]]\nlower = [3, 1]\nupper = [4, 2]\n")
     assert (last.digest, [s.name for s in last.unsafe]) == (plain.digest, ["U1"])
-    assert [s.name for s in made.changed(unsafe=made.unsafe[::-1]).unsafe] == ["U1", "U2"]
-    more = made.changed(unsafe=(made.unsafe[1], {"centre": [2.5, 4], "radius": 0.1}))
+    assert [s.name for s in task.changed(unsafe=task.unsafe[::-1]).unsafe] == ["U1", "U2"]
+    more = task.changed(unsafe=(task.unsafe[1], {"centre": [2.5, 4], "radius": 0.1}))
     assert [s.name for s in more.unsafe] == ["U1", "U2"]
 
 
 @pytest.mark.parametrize(("radius", "words"), [(-1, "greater than 0"), ("a", "number")])
 def test_a_set_that_was_copied_with_other_values_is_checked_again(radius: object, words: str) -> None:
-    made = parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.3\n")
+    task = parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.3\n")
     with pytest.raises(BadInput, match=words):
-        made.changed(unsafe=[made.unsafe[0].model_copy(update={"radius": radius})])
-    other = made.changed(unsafe=[made.unsafe[0].model_copy(update={"radius": 0.25})])
-    assert other.digest == parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.25\n").digest
+        task.changed(unsafe=[task.unsafe[0].model_copy(update={"radius": radius})])
+    copied = task.changed(unsafe=[task.unsafe[0].model_copy(update={"radius": 0.25})])
+    assert copied.digest == parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.25\n").digest

@@ -1,4 +1,4 @@
-"""Loading tasks: what is accepted is exact, what is refused is refused with one message that says what would be right."""
+"""Loading tasks: numbers of an accepted task are exact, and a refusal is one message that says what would be right."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ lower = [1.0, 4.0]
 upper = [2.0, 5.0]
 """
 
-# (what is replaced, by what, words that the message must contain)
+# (text of GOOD, its replacement, words that the message must contain)
 REFUSALS = [
     ('name = "robot"', "", ["name", "missing"]),
     ("prescribed_time = 9.0", "", ["prescribed_time", "missing"]),
@@ -127,6 +127,7 @@ APPENDED = [
 
 
 def refusal(text: str) -> str:
+    """Return the message, one line with the file's name, with which the text of a task is refused."""
     with pytest.raises(BadInput) as caught:
         parse_task(text, "file.toml")
     assert caught.value.exit_code == 2
@@ -136,7 +137,7 @@ def refusal(text: str) -> str:
     return message
 
 
-def test_the_base_of_all_malformed_files_is_itself_accepted() -> None:
+def test_the_file_that_malformed_files_are_made_from_is_accepted() -> None:
     assert parse_task(GOOD).dimension == 2
 
 
@@ -179,12 +180,12 @@ def test_unreadable_files_are_refused(tmp_path) -> None:
 
 
 @given(st.text(alphabet=string.printable, max_size=200))
-def test_random_text_is_refused_or_a_task_never_a_crash(text: str) -> None:
+def test_random_text_is_refused_without_a_crash(text: str) -> None:
     refusal(text)
 
 
 @given(st.data())
-def test_a_damaged_good_file_is_refused_or_a_task_never_a_crash(data) -> None:
+def test_a_damaged_file_is_a_task_or_is_refused_without_a_crash(data) -> None:
     lines = GOOD.splitlines()
     k = data.draw(st.integers(0, len(lines) - 1))
     piece = data.draw(st.sampled_from(["", "[", "nan", "[[1]]", "x = {}", "name = 'a'\nname = 'b'", "lower = [[0]]", "= = ="]))
@@ -196,15 +197,15 @@ def test_a_damaged_good_file_is_refused_or_a_task_never_a_crash(data) -> None:
 
 
 @given(st.decimals(min_value="0.001", max_value="1000", places=6))
-def test_decimals_stay_exact(value) -> None:
+def test_decimal_numbers_stay_exact(value) -> None:
     task = parse_task(GOOD.replace("prescribed_time = 9.0", f"prescribed_time = {value}"))
     assert task.prescribed_time == Fraction(str(value))
 
 
 def test_the_digest_is_of_the_data_and_not_of_its_spelling() -> None:
-    same = GOOD.replace("9.0", "9.000").replace("\n", "  # note\n", 1).replace("[0.25, 0.25]", "[ 0.25,0.250 ]")
-    other = GOOD.replace("9.0", "9.0000001")
-    assert parse_task(GOOD).digest == parse_task(same).digest != parse_task(other).digest
+    respelled = GOOD.replace("9.0", "9.000").replace("\n", "  # note\n", 1).replace("[0.25, 0.25]", "[ 0.25,0.250 ]")
+    changed = GOOD.replace("9.0", "9.0000001")
+    assert parse_task(GOOD).digest == parse_task(respelled).digest != parse_task(changed).digest
 
 
 def test_the_body_grows_unsafe_sets_and_shrinks_the_space() -> None:
@@ -231,7 +232,7 @@ HUGE = "0x" + "f" * 5000
 
 
 @pytest.mark.parametrize("line", [f"[tube]\nseed = {HUGE}", f"[tube]\nsegments = {HUGE}", f"[emit]\nscalar = {HUGE}"])
-def test_huge_hexadecimal_integers_are_refused_shortly(line: str) -> None:
+def test_huge_hexadecimal_integers_are_refused_with_a_short_message(line: str) -> None:
     assert len(refusal(f"{GOOD}{line}\n")) < 200
 
 
@@ -240,7 +241,7 @@ def test_names_of_unsafe_sets_that_could_break_text_are_refused(name: str) -> No
     assert "unsafe[0].name" in refusal(GOOD.replace('name = "O1"', f'name = "{name}"'))
 
 
-def test_an_unknown_key_is_quoted_when_it_is_no_word() -> None:
+def test_an_unknown_key_is_quoted_if_it_has_special_characters() -> None:
     assert "'a\\nb'" in refusal(f'"a\\nb" = 1\n{GOOD}')
 
 
