@@ -1,4 +1,4 @@
-"""Files on disk: reproducible to the byte, recorded, compared both ways, written whole or not at all."""
+"""Files on disk are reproducible to the byte, recorded in a manifest, compared both ways, and written all together or not at all."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from stt_codegen.task.load import load_task
 from tests.support.command_line import run_command, run_in_new_process
 from tests.support.controllers import ROOT, built, controller_of
 
-# What must not matter to the bytes: hash seed, folder, time zone, locale, which vector instructions NumPy and libm may use.
-SURROUNDINGS = [
+# Hash seed, time zone, locale and the vector instructions of NumPy and libm must not change a byte.
+ENVIRONMENTS = [
     {"PYTHONHASHSEED": "1", "TZ": "UTC", "LC_ALL": "C"},
     {
         "PYTHONHASHSEED": "4711",
@@ -38,19 +38,19 @@ SURROUNDINGS = [
 
 @pytest.mark.parametrize("design", ["refined", "adaptive", "literal"])
 @pytest.mark.parametrize("name", ["omni_s2", "spacecraft"])
-def test_the_same_bytes_in_any_process_folder_and_surroundings(name: str, design: str, tmp_path) -> None:
-    made = []
-    for k, surroundings in enumerate(SURROUNDINGS):
+def test_generated_bytes_do_not_depend_on_process_folder_or_environment(name: str, design: str, tmp_path) -> None:
+    files_by_run = []
+    for k, environment in enumerate(ENVIRONMENTS):
         folder = tmp_path / f"folder {k}" / ("deep" * k)
         folder.mkdir(parents=True)
         shutil.copy(ROOT / "tasks" / f"{name}.toml", folder / "copy.toml")
         options = ("--out", "out", "--design", design, "--uncertified")
-        result = run_in_new_process("generate", "copy.toml", *options, cwd=folder, env=surroundings)
+        result = run_in_new_process("generate", "copy.toml", *options, cwd=folder, env=environment)
         assert result.returncode == 0, result.stderr
-        made.append({p.name: p.read_bytes() for p in (folder / "out").iterdir()})
-    assert made[0] == made[1]
+        files_by_run.append({p.name: p.read_bytes() for p in (folder / "out").iterdir()})
+    assert files_by_run[0] == files_by_run[1]
     if design == "refined":
-        assert made[0] == controller_of(name).files
+        assert files_by_run[0] == controller_of(name).files
 
 
 def test_the_committed_files_are_what_the_tool_writes() -> None:
@@ -59,7 +59,7 @@ def test_the_committed_files_are_what_the_tool_writes() -> None:
 
 @pytest.fixture
 def recorded(tmp_path) -> Path:
-    """A small repository of a user: one task, recorded."""
+    """Return the folder of a user's small repository with one recorded task."""
     (tmp_path / "tasks").mkdir()
     shutil.copy(ROOT / "tasks" / "empty.toml", tmp_path / "tasks")
     result = run_command("generate", "tasks/empty.toml", "--record", "generated", cwd=tmp_path)
@@ -67,7 +67,7 @@ def recorded(tmp_path) -> Path:
     return tmp_path
 
 
-def test_check_is_content_with_what_was_recorded_and_works_from_any_folder(recorded) -> None:
+def test_check_accepts_recorded_files_from_any_folder(recorded) -> None:
     assert run_command("check", cwd=recorded).returncode == 0
     assert run_command("check", str(recorded / "generated"), cwd=Path("/")).returncode == 0
     manifest = json.loads((recorded / "generated" / "MANIFEST.json").read_text())
@@ -75,11 +75,11 @@ def test_check_is_content_with_what_was_recorded_and_works_from_any_folder(recor
 
 
 @pytest.mark.parametrize("name", ["empty.h", "empty.c", "empty.py", "empty.certificate.json"])
-@pytest.mark.parametrize("place", [0.0, 0.5, 1.0])
-def test_every_changed_byte_is_noticed(recorded, name: str, place: float) -> None:
+@pytest.mark.parametrize("position", [0.0, 0.5, 1.0])
+def test_every_changed_byte_is_noticed(recorded, name: str, position: float) -> None:
     file = recorded / "generated" / "empty" / "refined" / "float" / name
     data = bytearray(file.read_bytes())
-    k = int(place * (len(data) - 1))
+    k = int(position * (len(data) - 1))
     data[k] ^= 1
     file.write_bytes(bytes(data))
     result = run_command("check", cwd=recorded)
@@ -95,10 +95,10 @@ def test_missing_extra_and_line_end_changes_are_noticed(recorded) -> None:
     (folder / "empty.h").unlink()
     (folder / "extra.c").write_text("int x;\n")
     (folder / "empty.c").write_bytes((folder / "empty.c").read_bytes().replace(b"\n", b"\r\n"))
-    found = {(d.path.rsplit("/", 1)[1], d.problem) for d in check(recorded / "generated")}
-    assert ("empty.h", "is missing") in found
-    assert ("extra.c", "is not recorded in the manifest; delete it (--accept leaves it alone)") in found
-    assert ("empty.c", "differs") in found
+    differences = {(d.path.rsplit("/", 1)[1], d.problem) for d in check(recorded / "generated")}
+    assert ("empty.h", "is missing") in differences
+    assert ("extra.c", "is not recorded in the manifest; delete it (--accept leaves it alone)") in differences
+    assert ("empty.c", "differs") in differences
 
 
 def test_a_changed_task_is_noticed_with_the_size_of_the_change(recorded) -> None:
@@ -109,8 +109,8 @@ def test_a_changed_task_is_noticed_with_the_size_of_the_change(recorded) -> None
     document = json.loads(result.stdout)
     entry = next(d for d in document["differences"] if d["path"].endswith("empty.c"))
     assert "numbers changed" in entry["numbers"]
-    moved = float(entry["numbers"].rsplit(" ", 1)[1])
-    assert 0.005 < moved < 1.0
+    relative_change = float(entry["numbers"].rsplit(" ", 1)[1])
+    assert 0.005 < relative_change < 1.0
 
 
 def test_a_manifest_that_is_damaged_or_absent_is_bad_input(recorded) -> None:
@@ -123,7 +123,7 @@ def test_a_manifest_that_is_damaged_or_absent_is_bad_input(recorded) -> None:
     assert "--record" in result.stderr
 
 
-def test_describing_numbers_tells_text_from_numbers() -> None:
+def test_describe_numbers_distinguishes_text_from_numbers() -> None:
     old = "static const float x[2] = {1.5F, -2.0F};\n/* 3 points */\n"
     assert describe_numbers(old, old.replace("/* 3 points */", "/* 3 knots */")) == "the text changed, no number did"
     assert describe_numbers(old, old.replace("-2.0F", "-2.5F")).startswith(
@@ -132,8 +132,7 @@ def test_describing_numbers_tells_text_from_numbers() -> None:
     assert "structure changed" in describe_numbers(old, old.replace(", -2.0F", ""))
 
 
-def test_the_movement_of_the_tube_that_check_names_is_a_true_bound() -> None:
-    """Bend single coefficients: no edge moves by more than 6 times the change."""
+def test_an_edge_moves_by_at_most_6_times_the_change_of_a_coefficient() -> None:
     import numpy as np
 
     from stt_codegen import reference
@@ -141,20 +140,20 @@ def test_the_movement_of_the_tube_that_check_names_is_a_true_bound() -> None:
     design = controller_of("omni_s2").design
     t = np.linspace(0, 9, 2000)
     before = np.stack(reference.tube(design.integers(), design.unit, design.prescribed_time, t))
-    bent = design.integers()
-    bent[7, 0, 1] += 1000
-    bent[12, 1, 0] -= 700
-    after = np.stack(reference.tube(bent, design.unit, design.prescribed_time, t))
+    changed_design = design.integers()
+    changed_design[7, 0, 1] += 1000
+    changed_design[12, 1, 0] -= 700
+    after = np.stack(reference.tube(changed_design, design.unit, design.prescribed_time, t))
     assert np.abs(after - before).max() <= 6 * 1000 * float(design.unit)
 
 
-def test_a_failed_write_leaves_the_old_files_whole(tmp_path, monkeypatch) -> None:
+def test_a_failed_write_leaves_the_old_files_unchanged(tmp_path, monkeypatch) -> None:
     write_files(tmp_path, {"a.c": b"old a", "b.c": b"old b"})
 
-    def broken(*_):
+    def fail(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "fsync", broken)
+    monkeypatch.setattr(os, "fsync", fail)
     with pytest.raises(BadInput, match="No space left"):
         write_files(tmp_path, {"a.c": b"new a", "b.c": b"new b"})
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == {"a.c": b"old a", "b.c": b"old b"}
@@ -210,19 +209,19 @@ def test_a_replacement_that_fails_half_way_puts_the_old_files_back(tmp_path, mon
     replace = os.replace
     calls = []
 
-    def second_fails(source, target) -> None:
+    def fail_second_time(source, target) -> None:
         calls.append(target)
         if len(calls) == 2:
             raise OSError(5, "Input/output error")
         replace(source, target)
 
-    monkeypatch.setattr(os, "replace", second_fails)
+    monkeypatch.setattr(os, "replace", fail_second_time)
     with pytest.raises(BadInput, match="Input/output"):
         write_files(tmp_path, {"a.c": b"new a", "b.c": b"new b"})
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == {"a.c": b"old a", "b.c": b"old b"}
 
 
-def test_a_change_of_time_scale_is_not_called_a_small_movement_of_edges(recorded) -> None:
+def test_a_change_of_the_prescribed_time_is_not_described_as_a_movement_of_edges(recorded) -> None:
     task = recorded / "tasks" / "empty.toml"
     task.write_text(task.read_text().replace("prescribed_time = 4.0", "prescribed_time = 5.0"))
     result = run_command("check", "--json", cwd=recorded)
@@ -242,76 +241,80 @@ def test_an_uncertified_controller_does_not_replace_a_certified_one(tmp_path) ->
 
 
 def test_an_uncertified_package_does_not_replace_a_certified_one(tmp_path) -> None:
-    """In whatever folder of the package the certificate is."""
+    """The certificate of a package is in another folder than its C."""
     task = str(ROOT / "tasks" / "omni_s3.toml")
-    given = ["--package", "cmake", "--out", "out"]
-    assert run_command("generate", task, *given, cwd=tmp_path).returncode == 0
+    options = ["--package", "cmake", "--out", "out"]
+    assert run_command("generate", task, *options, cwd=tmp_path).returncode == 0
     before = {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()}
-    result = run_command("generate", task, *given, "--design", "literal", "--uncertified", cwd=tmp_path)
+    result = run_command("generate", task, *options, "--design", "literal", "--uncertified", cwd=tmp_path)
     assert result.returncode == 2, result.stderr
     assert "holds a certified 'omni_s3' (omni_s3/extras/omni_s3.certificate.json)" in result.stderr
     assert {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()} == before
 
 
-def test_every_kind_of_package_is_known_to_be_certified(tmp_path) -> None:
+def test_certified_files_of_every_kind_of_package_are_protected(tmp_path) -> None:
     assert tuple(KINDS) == PACKAGES
     controller = built(load_task(ROOT / "tasks" / "omni_s3.toml").changed(emit={"rust": True}))
     for kind in KINDS:
         files = package(controller, kind)
-        refuse_to_overwrite_certified(tmp_path / kind, files)  # there is none yet
+        refuse_to_overwrite_certified(tmp_path / kind, files)  # the folder is empty
         write_files(tmp_path / kind, files)
-        refuse_to_overwrite_certified(tmp_path / kind, files)  # the same again
-        (seal,) = [data for path, data in files.items() if path.endswith(".certificate.json")] or [b'{"sha256": {}}']
-        mine = [p for p in files if Path(p).name in json.loads(seal)["sha256"] or p.endswith((".certificate.json", ".fmu"))]
-        assert mine
-        for path in mine:  # one of them alone, without its certificate
+        refuse_to_overwrite_certified(tmp_path / kind, files)  # the same files may be written again
+        (certificate,) = [data for path, data in files.items() if path.endswith(".certificate.json")] or [b'{"sha256": {}}']
+        protected = [
+            p for p in files if Path(p).name in json.loads(certificate)["sha256"] or p.endswith((".certificate.json", ".fmu"))
+        ]
+        assert protected
+        for path in protected:  # a single file, without its certificate
             with pytest.raises(BadInput, match="holds a certified 'omni_s3'"):
                 refuse_to_overwrite_certified(tmp_path / kind, {path: b"other"})
 
 
-def test_what_is_certified_is_not_replaced_by_another_task_or_another_kind_of_package(tmp_path) -> None:
-    """Nor is half of it: files of an older design do not stay beside a new certificate."""
+def test_another_task_or_kind_of_package_does_not_replace_certified_files(tmp_path) -> None:
+    """Part of them is not replaced either, so that files of an older design never stay beside a new certificate."""
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
 
-    def task(name: str, changed: str = "", to: str = "") -> str:
-        (tmp_path / "now.toml").write_text(text.replace('name = "omni_s2"', f'name = "{name}"', 1).replace(changed, to, 1))
+    def task(name: str, old: str = "", new: str = "") -> str:
+        (tmp_path / "now.toml").write_text(text.replace('name = "omni_s2"', f'name = "{name}"', 1).replace(old, new, 1))
         return str(tmp_path / "now.toml")
 
-    def refused(*given: str, told: str) -> None:
+    def expect_refusal(*arguments: str, message: str) -> None:
         before = {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()}
-        result = run_command("generate", *given, cwd=tmp_path)
+        result = run_command("generate", *arguments, cwd=tmp_path)
         assert result.returncode == 2, result.stdout
-        assert told in result.stderr
+        assert message in result.stderr
         assert {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()} == before
 
-    def written(*given: str) -> None:
-        result = run_command("generate", *given, cwd=tmp_path)
+    def expect_written(*arguments: str) -> None:
+        result = run_command("generate", *arguments, cwd=tmp_path)
         assert result.returncode == 0, result.stderr
 
-    written(task("omni_s2"), "--package", "cmake", "--out", "out")
-    refused(task("omni_s2"), "--out", "out/omni_s2/src", told="holds a certified 'omni_s2' (../extras/omni_s2.certificate.json)")
-    written(task("omni_s2"), "--package", "rust", "--out", "out")  # of the same design
-    refused(
-        task("omni_s2", "clearance = 0.03", "clearance = 0.04"), "--package", "rust", "--out", "out", told="of another design"
+    expect_written(task("omni_s2"), "--package", "cmake", "--out", "out")
+    expect_refusal(
+        task("omni_s2"), "--out", "out/omni_s2/src", message="holds a certified 'omni_s2' (../extras/omni_s2.certificate.json)"
     )
-    written(task("omni_s2_plant"), "--package", "fmu", "--out", "out")
-    refused(
-        task("omni_s2"), "--package", "fmu", "--plant", "integrator", "--out", "out", told="holds a certified 'omni_s2_plant'"
+    expect_written(task("omni_s2"), "--package", "rust", "--out", "out")  # the same design may be written
+    expect_refusal(
+        task("omni_s2", "clearance = 0.03", "clearance = 0.04"), "--package", "rust", "--out", "out", message="of another design"
     )
-    written(task("omni_s2_selftest"), "--out", "out")
-    refused(
+    expect_written(task("omni_s2_plant"), "--package", "fmu", "--out", "out")
+    expect_refusal(
+        task("omni_s2"), "--package", "fmu", "--plant", "integrator", "--out", "out", message="holds a certified 'omni_s2_plant'"
+    )
+    expect_written(task("omni_s2_selftest"), "--out", "out")
+    expect_refusal(
         task("omni_s2", "[control]", "[emit]\nselftest = true\n[control]"),
         "--out",
         "out",
-        told="holds a certified 'omni_s2_selftest'",
+        message="holds a certified 'omni_s2_selftest'",
     )
-    written(task("omni_s2"), "--record", "out/recorded")
-    late = task("omni_s2", "[control]", "[control]\nperiod = 5.0")  # which no proof is of
-    refused(late, "--record", "out/recorded", "--uncertified", told="holds a certified 'omni_s2'")
+    expect_written(task("omni_s2"), "--record", "out/recorded")
+    late = task("omni_s2", "[control]", "[control]\nperiod = 5.0")  # a period that is not proved
+    expect_refusal(late, "--record", "out/recorded", "--uncertified", message="holds a certified 'omni_s2'")
 
 
-def test_tasks_that_would_write_one_file_are_refused_together_and_nothing_is_written(tmp_path) -> None:
-    """The plant's unit of one is the other's own."""
+def test_two_tasks_that_would_write_the_same_file_are_refused(tmp_path) -> None:
+    """The plant's unit of the first task has the name of the second task's unit."""
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
     (tmp_path / "a.toml").write_text(text)
     (tmp_path / "b.toml").write_text(text.replace('name = "omni_s2"', 'name = "omni_s2_plant"', 1))
@@ -323,27 +326,27 @@ def test_tasks_that_would_write_one_file_are_refused_together_and_nothing_is_wri
     assert not (tmp_path / "out").exists()
 
 
-KILLED = """
+WRITE_AND_EXIT = """
 import os, sys
 from pathlib import Path
 from stt_codegen.pipeline import build
 from stt_codegen.record.files import write_files
 
-files, replace, left = build(Path(sys.argv[1])).files, os.replace, [int(sys.argv[3])]
+files, replace, remaining = build(Path(sys.argv[1])).files, os.replace, [int(sys.argv[3])]
 
-def killed(source, target):
-    if not left[0]:
+def replace_or_exit(source, target):
+    if not remaining[0]:
         os._exit(9)
-    left[0] -= 1
+    remaining[0] -= 1
     replace(source, target)
 
-os.replace = killed
+os.replace = replace_or_exit
 write_files(Path(sys.argv[2]), files)
 """
 
 
 @pytest.mark.parametrize("renamed", [0, 1, 2, 3, 4])
-def test_a_run_killed_between_renames_leaves_a_whole_set_or_no_certificate(renamed: int, tmp_path) -> None:
+def test_a_run_killed_between_renames_leaves_a_complete_set_or_no_certificate(renamed: int, tmp_path) -> None:
     from stt_codegen.certify import checker
 
     old, new = tmp_path / "old.toml", tmp_path / "new.toml"
@@ -352,18 +355,20 @@ def test_a_run_killed_between_renames_leaves_a_whole_set_or_no_certificate(renam
     new.write_text(text.replace("prescribed_time = 4.0", "prescribed_time = 5.0"))
     out = tmp_path / "out"
     write_files(out, built(load_task(old)).files)
-    run = subprocess.run([sys.executable, "-c", KILLED, str(new), str(out), str(renamed)], check=False)
+    run = subprocess.run([sys.executable, "-c", WRITE_AND_EXIT, str(new), str(out), str(renamed)], check=False)
     assert run.returncode == (9 if renamed < 4 else 0)
-    good = [checker.main([str(task), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0 for task in (old, new)]
-    assert good == [False, renamed == 4]
+    is_verified = [
+        checker.main([str(task), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0 for task in (old, new)
+    ]
+    assert is_verified == [False, renamed == 4]
     assert (out / "empty.certificate.json").exists() == (renamed == 4)
     assert bool(list(out.glob(".*"))) == (renamed < 4)
     write_files(out, built(load_task(new)).files)
-    assert not list(out.glob(".*"))  # swept
+    assert not list(out.glob(".*"))  # the next write removes temporary files
     assert checker.main([str(new), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0
 
 
-def test_a_file_that_the_manifest_has_and_nobody_makes_is_told(recorded) -> None:
+def test_a_recorded_file_that_the_tool_does_not_write_is_reported(recorded) -> None:
     manifest = recorded / "generated" / "MANIFEST.json"
     document = json.loads(manifest.read_text())
     folder = next(name for name in document["folders"] if name.startswith("empty/"))
@@ -376,19 +381,19 @@ def test_a_file_that_the_manifest_has_and_nobody_makes_is_told(recorded) -> None
 
 
 @pytest.mark.parametrize("kind", ["demo", "test", "integration"])
-def test_what_is_missing_is_named_in_full(kind: str, tmp_path: Path) -> None:
-    """Where nothing is there and nobody is root, .ci/tools names every package: what it does not name, apt does not get."""
+def test_the_script_of_tools_names_every_missing_package(kind: str, tmp_path: Path) -> None:
+    """Without any tool and without root, .ci/tools lists every Debian package that this kind of job needs."""
     text = (ROOT / ".ci" / "tools").read_text().replace("/usr", str(tmp_path / "usr"))
-    part = re.search(rf"^{kind}\).*?^    ;;", text, re.S | re.M)
-    assert part is not None
-    wanted = {package for line in re.findall(r"^\s*need \S+ (.+)$", part[0], re.M) for package in line.split()}
-    for name, says in {"id": "1000", **({"rustc": str(tmp_path)} if kind == "integration" else {})}.items():
-        (tmp_path / name).write_text(f"#!/bin/sh\necho {says}\n")
+    section = re.search(rf"^{kind}\).*?^    ;;", text, re.S | re.M)
+    assert section is not None
+    needed = {package for line in re.findall(r"^\s*need \S+ (.+)$", section[0], re.M) for package in line.split()}
+    for name, output in {"id": "1000", **({"rustc": str(tmp_path)} if kind == "integration" else {})}.items():
+        (tmp_path / name).write_text(f"#!/bin/sh\necho {output}\n")
         (tmp_path / name).chmod(0o755)
     (tmp_path / "tools").write_text(text)
-    done = subprocess.run(
+    result = subprocess.run(
         ["/bin/sh", str(tmp_path / "tools"), kind], env={"PATH": str(tmp_path)}, capture_output=True, text=True, check=False
     )
-    named = set(done.stderr.partition("(Debian names):")[2].split())
-    assert wanted
-    assert wanted <= named, wanted - named
+    named = set(result.stderr.partition("(Debian names):")[2].split())
+    assert needed
+    assert needed <= named, needed - named

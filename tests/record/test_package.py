@@ -1,4 +1,4 @@
-"""The wheel carries all it needs; the project names no registry host."""
+"""The wheel contains all files that it needs, and the lock files pin every package without naming a registry host."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_an_installed_wheel_generates_the_same_bytes_far_from_the_checkout(wheel
         assert (tmp_path / name).read_bytes() == data
 
 
-def test_the_wheel_holds_the_templates_and_the_console_script(wheel) -> None:
+def test_the_wheel_contains_templates_proofs_types_and_the_console_script(wheel) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
         entry = next(n for n in names if n.endswith("entry_points.txt"))
@@ -52,16 +52,16 @@ def test_the_wheel_holds_the_templates_and_the_console_script(wheel) -> None:
     assert not [n for n in names if n.startswith(("tests/", "generated/", "benchmarks/"))]
 
 
-def test_a_wheel_built_from_the_source_distribution_holds_the_same_files(wheel, tmp_path) -> None:
+def test_a_wheel_from_the_source_distribution_contains_the_same_files(wheel, tmp_path) -> None:
     build = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(tmp_path)]
     subprocess.run([*build, "--sdist", str(ROOT)], check=True, capture_output=True)
     with tarfile.open(next(tmp_path.glob("*.tar.gz"))) as archive:
         archive.extractall(tmp_path, filter="data")
     (source,) = [p for p in tmp_path.iterdir() if p.is_dir()]
     subprocess.run([*build, "--wheel", str(source)], check=True, capture_output=True)
-    again = next(tmp_path.glob("*.whl"))
-    with zipfile.ZipFile(wheel) as one, zipfile.ZipFile(again) as other:
-        assert {n: one.read(n) for n in one.namelist()} == {n: other.read(n) for n in other.namelist()}
+    rebuilt_wheel = next(tmp_path.glob("*.whl"))
+    with zipfile.ZipFile(wheel) as archive, zipfile.ZipFile(rebuilt_wheel) as rebuilt:
+        assert {n: archive.read(n) for n in archive.namelist()} == {n: rebuilt.read(n) for n in rebuilt.namelist()}
 
 
 LOCKS = {
@@ -84,18 +84,19 @@ def test_the_lock_pins_every_package_with_a_hash_and_names_no_host(lock: str) ->
     entries = re.split(r"\n(?=\S)", text.strip())
     assert all("==" in e and "--hash=sha256:" in e for e in entries)
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    wanted = [*project["dependencies"], *(w for extra in LOCKS[lock] for w in project["optional-dependencies"][extra])]
-    assert len(wanted) >= 4
-    for name, relation, version in (split(w) for w in wanted):
-        locked = re.findall(rf"^{name}==([\w.]+)", text, re.M)  # one, or one for each range of Python
+    requirements = [*project["dependencies"], *(r for extra in LOCKS[lock] for r in project["optional-dependencies"][extra])]
+    assert len(requirements) >= 4
+    for name, relation, version in (split_requirement(r) for r in requirements):
+        locked = re.findall(rf"^{name}==([\w.]+)", text, re.M)  # a single version, or one for each range of Python
         assert locked
-        assert all(v == version if relation == "==" else parts(v) >= parts(version) for v in locked)
+        assert all(v == version if relation == "==" else version_numbers(v) >= version_numbers(version) for v in locked)
 
 
-def split(wanted: str) -> tuple[str, str, str]:
-    name, relation, version = re.match(r"([\w-]+)(?:\[\w+\])?(==|>=)([\w.]+)", wanted).groups()  # type: ignore[union-attr]
+def split_requirement(requirement: str) -> tuple[str, str, str]:
+    """Return name, relation and version of a requirement such as `numpy>=2.0`."""
+    name, relation, version = re.match(r"([\w-]+)(?:\[\w+\])?(==|>=)([\w.]+)", requirement).groups()  # type: ignore[union-attr]
     return name, relation, version
 
 
-def parts(version: str) -> list[int]:
+def version_numbers(version: str) -> list[int]:
     return [int(n) for n in re.findall(r"\d+", version)]
