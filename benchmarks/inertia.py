@@ -104,7 +104,7 @@ def inertial(name: str) -> Task:
 def periods(name: str) -> tuple[list[str], list[EmittedController]]:
     """Rows of what is proved under several limits, and the controllers with them."""
     free = build_task(inertial(name))
-    push = Analysis(free).setting.closing_speed.max(axis=0)
+    push = Analysis(free).sampled_loop.closing_speed.max(axis=0)
     rows, controllers = [], []
     for factor in (1.1, 1.3, 2.0, None):
         control: dict[str, Any] = {} if factor is None else {"u_max": [f"{v * factor:.4g}" for v in push]}

@@ -24,7 +24,7 @@ SHARE = 0.9  # of gamma(0): where runs begin
 def driven(name: str) -> tuple[EmittedController, list[Run]]:
     """A certified tube with the gain that `--gain best` takes, and runs from all over the initial set under every disturbance."""
     controller = build(TASKS / f"{name}.toml")
-    best = choose_proved_gain(Analysis(controller, with_wind(INTEGRATOR, WIND)).setting, 1 / RATE)
+    best = choose_proved_gain(Analysis(controller, with_wind(INTEGRATOR, WIND)).sampled_loop, 1 / RATE)
     assert best is not None
     controller = with_gain(controller, best[0].tolist())
     loop = Loop(controller, INTEGRATOR)

@@ -221,7 +221,7 @@ def filtered(controller: EmittedController) -> Proved | None:
     u_max, gain, period = found
     k, limit = (tuple(map(Fraction, values.tolist())) for values in (gain, u_max))
     law, share = Filtered(np.array([float(v) for v in design.filter]), k, limit), float(controller.task.initial_set.share)
-    return Proved(share, law, period.seconds, period.u, analysis.setting.with_law(gain=gain, u_max=u_max))
+    return Proved(share, law, period.seconds, period.u, analysis.sampled_loop.with_law(gain=gain, u_max=u_max))
 
 
 def _refined(controller: EmittedController) -> RefinedDesign:

@@ -16,7 +16,15 @@ from stt_codegen.certify.missions import describe_entry
 from stt_codegen.compare import Row
 from stt_codegen.decimals import by_component
 from stt_codegen.loop import RunReport
-from stt_codegen.report import BoundsReport, DesignReport, Sampling, TradeReport, few, sampling_lines, time_told
+from stt_codegen.report import (
+    BoundsReport,
+    DesignReport,
+    SamplingReport,
+    TradeReport,
+    format_numbers,
+    format_time,
+    sampling_lines,
+)
 
 
 class _Console(Console):
@@ -60,7 +68,7 @@ def _show_tube(console: Any, report: DesignReport) -> None:
     units = [f" {unit}/s" if unit else "" for unit in report.units]
     speed = ", ".join(f"{a}{v:.4g}{unit}" for a, v, unit in zip(names, report.speed_bound, units, strict=True))
     console.print(
-        f"  {report.parameters} over {report.prescribed_time:g} s; least width {report.least_width:.4g}; "
+        f"  {report.parameters} over {report.prescribed_time:g} s; least width {report.smallest_width:.4g}; "
         f"speed of an edge at most {speed}" + ("" if has_axis_names else " by dimension")
     )
     if report.cycle is not None:
@@ -112,8 +120,8 @@ def show_trade(report: TradeReport) -> None:
         table.add_column(heading, justify="right")
     table.add_column("tube.prefer")
     for t in report.tubes:
-        period, gain = ("none", "") if t.period is None or t.gain is None else (time_told(t.period), by_component(t.gain))
-        table.add_row(f"{t.least_width:.4g}", f"{t.speed:.4g}", period, gain, ", ".join(t.preferred))
+        period, gain = ("none", "") if t.period is None or t.gain is None else (format_time(t.period), by_component(t.gain))
+        table.add_row(f"{t.smallest_width:.4g}", f"{t.speed:.4g}", period, gain, ", ".join(t.preferred))
     console.print(table)
     console.print("  periods: at control.gain, or the longest of the gains tried, for the plant and the starts of the task")
     if report.picture is not None:
@@ -130,9 +138,9 @@ def _indented(console: Any, line: str) -> None:
         console.print(Text(" " * (depth + 2 * (k > 0))) + part)
 
 
-def _show_sampling(console: Any, sampling: Sampling, tick_period: float | None) -> None:
+def _show_sampling(console: Any, sampling: SamplingReport, tick_period: float | None) -> None:
     for line in sampling_lines(sampling, tick_period):
-        _indented(console, "  " * line.under + ("[yellow]note[/yellow]: " if line.note else "") + escape(line.text))
+        _indented(console, "  " * line.is_detail + ("[yellow]note[/yellow]: " if line.is_note else "") + escape(line.text))
 
 
 def show_bounds(report: BoundsReport) -> None:
@@ -148,7 +156,7 @@ def show_bounds(report: BoundsReport) -> None:
 def _show_hypotheses(console: Any, report: BoundsReport) -> None:
     """Print the hypotheses, and whether each holds."""
     noise = f", x measured to {report.noise:g}" if report.noise else ""
-    noise += f", u {time_told(report.latency)} after its sample" if report.latency else ""
+    noise += f", u {format_time(report.latency)} after its sample" if report.latency else ""
     console.print(f"[bold]{report.task}[/bold], {report.design}, with {escape(report.plant)}{noise}")
     table = Table(box=None, header_style="bold")
     for heading in ("hypothesis", "statement", "holds"):
@@ -165,12 +173,12 @@ def _show_bound_table(console: Any, report: BoundsReport) -> None:
     rows = {
         "tube, lowest": tube.lower,
         "tube, highest": tube.upper,
-        "least width": tube.least_width,
+        "least width": tube.smallest_width,
         "largest width": tube.largest_width,
         "speed of an edge": tube.speed,
-        "|f + w|": plant.push,
-        "g_ii, least": plant.g_diagonal_least,
-        "|g_ij|, largest": plant.g_cross_largest,
+        "|f + w|": plant.disturbance,
+        "g_ii, least": plant.smallest_g_diagonal,
+        "|g_ij|, largest": plant.largest_g_cross,
         "eps* (continuous)": continuous.epsilon_star,
         "|u| (continuous)": continuous.u,
     }
@@ -194,9 +202,10 @@ def _show_proved_periods(console: Any, report: BoundsReport) -> None:
         if p is None:
             console.print(f"  sampled, {name}: proves no period")
             continue
-        tightest = f"tightest at {p.time[0]:.4g} to {p.time[1]:.4g} s" + (f", x{p.dimension}" if p.dimension else "")
+        tightest = f"tightest at {p.critical_window[0]:.4g} to {p.critical_window[1]:.4g} s"
+        tightest += f", x{p.critical_dimension}" if p.critical_dimension else ""
         note = "; conservative: adversaries need 4 times as long or more" if name == "general" else ""
-        console.print(f"  sampled, {name}: {time_told(p.period)}, |e| below {few(p.e)}; {tightest}{note}")
+        console.print(f"  sampled, {name}: {format_time(p.period)}, |e| below {format_numbers(p.e)}; {tightest}{note}")
 
 
 def _show_plant_table(console: Any, report: BoundsReport) -> None:
@@ -230,7 +239,7 @@ def show_run(report: RunReport) -> None:
     hit = "none" if run.hit is None else f"[red]{run.hit} at {run.hit_at:.4g} s[/red]"
     left = "never" if run.left_at is None else f"[red]at {run.left_at:.4g} s[/red]"
     reached = "in the target" if run.reached else f"[red]not in the target, at {_numbers(run.last)}[/red]"
-    end = f"{time_told(run.waited)} after t_c, for the tube waited," if run.waited else "at t_c"
+    end = f"{format_time(run.waited)} after t_c, for the tube waited," if run.waited else "at t_c"
     arrival = "" if task.target_set is None else f"; {end} {reached}"
     console.print(f"  unsafe sets entered: {hit}; state space left: {left}{arrival}")
     if task.mission:
@@ -257,9 +266,9 @@ def _conditions(report: RunReport) -> list[str]:
     if s.noise_v:
         conditions.append(f"v measured to {s.noise_v:g}")
     if s.lag:
-        conditions.append(f"u through a lag of {time_told(s.lag)}")
+        conditions.append(f"u through a lag of {format_time(s.lag)}")
     if s.latency:
-        conditions.append(f"u {time_told(s.latency)} late")
+        conditions.append(f"u {format_time(s.latency)} late")
     if s.lost:
         conditions.append(f"up to {s.lost} lost in a row")
     if any(c is not None for c in task.courses):

@@ -17,7 +17,7 @@ from stt_codegen.loop.simulate import Loop, Run, Scenario, csv, of_task
 from stt_codegen.pipeline import EmittedController, build_program, certify, render_files
 from stt_codegen.plants import Model, Plant, plant_of
 from stt_codegen.record import write_files
-from stt_codegen.report import Analysis, above_float, below_float
+from stt_codegen.report import Analysis, round_down, round_up
 from stt_codegen.sampling import choose_proved_gain, prove_for_period
 from stt_codegen.task import Task
 
@@ -209,9 +209,9 @@ def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
     where none is proved for that, the gain of the longest period."""
     task = analysis.controller.task
     if text == "best":
-        setting, shortest = analysis.setting, analysis.shortest
+        setting, shortest = analysis.sampled_loop, analysis.shortest
         best = (
-            choose_proved_gain(setting, age, shortest, analysis.statements) or analysis.gains.longest
+            choose_proved_gain(setting, age, shortest, analysis.condition_kinds) or analysis.gains.longest
             if analysis.controller.certificate.tube_holds
             else None
         )
@@ -254,18 +254,18 @@ def foretold(controller: EmittedController, plant: Model | None, scenario: Scena
     lines = [f"not shown: {h.statement}" for h in analysis.hypotheses() if not h.holds]
     low, high = analysis.windows.start.T
     places = np.abs((2 * np.array(start[: controller.task.dimension]) - low - high) / (high - low))
-    if (places >= analysis.setting.law.e_max).any():
+    if (places >= analysis.sampled_loop.law.e_max).any():
         i = int(np.argmax(places))
         told = f"the start has |e| = {float(places[i]):.4g} in {controller.task.axis_words[i]}, not below e_max"
         lines.append(f"{told}: sampled, nothing is proved from there")
     age, period = scenario.age, analysis.period
     if period is None:
         return [*lines, f"no sampling period is proved for gain {by_component(controller.task.gain)}, this plant and start"]
-    now = prove_for_period("sharp", analysis.setting, age) or period
-    e = f"|e| stays below {', '.join(f'{above_float(v):g}' for v in now.e)}"
-    most, here = f"{1e3 * below_float(period.seconds):.4g} ms", f"{1e3 * age:.9g} ms"
+    now = prove_for_period("sharp", analysis.sampled_loop, age) or period
+    e = f"|e| stays below {', '.join(f'{round_up(v):g}' for v in now.e)}"
+    most, here = f"{1e3 * round_down(period.seconds):.4g} ms", f"{1e3 * age:.9g} ms"
     if 1 / scenario.rate < analysis.shortest:
-        shortest = f"{1e3 * above_float(analysis.shortest):.4g} ms"
+        shortest = f"{1e3 * round_up(analysis.shortest):.4g} ms"
         return [*lines, f"not proved: alpha may not be stepped more often than every {shortest}"]
     if age <= period.seconds:
         return [*lines, f"proved from this start: {e}, with samples up to {here} old; the tube is kept up to {most}"]

@@ -1,29 +1,29 @@
-"""What is said of a controller: analyses, bounds, notes, pictures, one page."""
+"""Reports about a controller: what is proved of its closed loop, notes on its task, pictures, and a page of HTML."""
 
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.bounds import BoundsReport, Sampling, above_float, below_float
+from stt_codegen.report.bounds import BoundsReport, SamplingReport, round_down, round_up
 from stt_codegen.report.figures import DesignReport, TradeReport, design_report, input_report, trade_report
 from stt_codegen.report.notes import task_notes
 from stt_codegen.report.outlines import Plane, outline
-from stt_codegen.report.sentences import few, sampling_lines, time_told
+from stt_codegen.report.sentences import format_numbers, format_time, sampling_lines
 
 __all__ = [
     "Analysis",
     "BoundsReport",
     "DesignReport",
     "Plane",
-    "Sampling",
+    "SamplingReport",
     "TradeReport",
-    "above_float",
-    "below_float",
     "design_report",
-    "few",
+    "format_numbers",
+    "format_time",
     "input_report",
     "outline",
     "page",
     "pictures",
+    "round_down",
+    "round_up",
     "sampling_lines",
     "task_notes",
-    "time_told",
     "trade_report",
 ]

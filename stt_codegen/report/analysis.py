@@ -1,8 +1,8 @@
-"""What Theorem 4.1 and the sampled statements give for one controller and one plant: hypotheses, and bounds with numbers.
+"""Compute what Theorem 4.1 and the sampling conditions prove for one controller and one plant: hypotheses, and bounds with
+numbers.
 
-`design` shows the short form, `prove TASK` writes all of it to <p>.bounds.json; bounds.py has both as data.
-
-Long because every number of the report is asked of one setting, which stands here.
+`design` prints the short form, `prove TASK` writes all of it to <p>.bounds.json; bounds.py has both as data. docs/paper.md has
+the theorem, docs/certificate.md the sampling conditions.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ from stt_codegen.report.bounds import (
     PlantOverTube,
     ProvedGains,
     ProvedPeriod,
-    Sampling,
+    SamplingReport,
     TubeBounds,
     UpdateFunctionBounds,
-    above_float,
-    below_float,
-    rounded,
+    round_down,
+    round_each,
+    round_up,
 )
 from stt_codegen.report.plant_table import ProposedBounds, propose_bounds, uncovered_bounds
 from stt_codegen.sampling import (
@@ -72,9 +72,12 @@ Array = npt.NDArray[Any]
 
 
 class Analysis:
-    """A controller with a plant (None: the bounds in the task's [plant]); `noise` bounds the error of a measured
-    state, `latency` the seconds from a sample to the input that it makes (in the age of a sample it counts too); None: what the
-    task says. `start`: speak of this x(0) alone, in place of all starts in the task's share of gamma(0)."""
+    """What is proved of a controller in a closed loop with a plant.
+
+    plant: None for any plant within the task's table [plant]. noise: bound on the error of a measured state; latency: seconds
+    from a sample until its input acts, a part of the age of a sample; None for what the task states. start: prove for this x(0)
+    alone; None for all starts in the task's start share of gamma(0). Raises `BadInput` for a noise or latency that is negative.
+    """
 
     def __init__(
         self,
@@ -92,94 +95,94 @@ class Analysis:
                 raise BadInput(f"{name} {value:g}: a finite number of 0 or more is needed")
         self.controller, self.noise, self.latency = controller, noise, latency
         self.plant = plant
-        self.reading = READINGS[controller.design.kind](task, controller.design)
-        self.windows = self.reading.windows
+        self.tube_reading = READINGS[controller.design.kind](task, controller.design)
+        self.windows = self.tube_reading.windows
         self.bounds = list(self._bounds(1 if task.gain[0] > 0 else -1))
-        self.setting = self._setting(start)
-        self.statements = condition_kinds_of(task)
+        self.sampled_loop = self._build_sampled_loop(start)
+        self.condition_kinds = condition_kinds_of(task)
         self.starts = f"|e(0)| <= {decimal(task.initial_set.share)} by component" if start is None else "x(0) as given"
         if task.order == 2 and (start is None or len(start) == task.dimension):
             moving = any(task.start_speed)
             self.starts += f" and |v(0)| <= {by_component(task.start_speed)}" if moving else " and at rest"
 
-    def _setting(self, start: Sequence[float] | None) -> SampledLoop:
-        """The loop; of order 2 what is held is v + lambda x."""
+    def _build_sampled_loop(self, start: Sequence[float] | None) -> SampledLoop:
+        """Return the loop with its windows and bounds; of order 2, its tube is the one of v + lambda x."""
         controller, design = self.controller, self.controller.design
         rate = rate_error(require_refined(design), controller.program) if design.filter else ()
-        edge, windows = controller.certificate.edge_error, self.windows
-        made = loop_of(
+        loop = loop_of(
             controller.task,
             design,
-            edge,
+            controller.certificate.edge_error,
             rate,
-            windows=windows,
+            windows=self.windows,
             bounds=self.bounds,
             noise=self.noise,
             latency=self.latency,
             start=start,
         )
-        return replace(made, largest_known_age=min(made.largest_known_age, self.mixed_age))
+        return replace(loop, largest_known_age=min(loop.largest_known_age, self.known_mixing_age))
 
-    def _eps_of(self, state: Sequence[float] | None) -> Array:
-        """What |eps(0)| is at most, of a state, or of the starts in the share."""
+    def _start_bound(self, state: Sequence[float] | None) -> Array:
+        """Bound |eps(0)| by component, for a state, or (None) for all starts in the start share."""
         return start_bound_of_task(self.controller.task, self.controller.design, self.windows, state)
 
     def _bounds(self, sign: int) -> Iterator[Bounds]:
-        """The plant over every window's box, joined with that of the window before; its g times `sign`."""
-        task, w = self.controller.task, self.windows
+        """Yield the bounds of the plant, with g times `sign`, over the box of each window joined with the window before."""
+        task, windows = self.controller.task, self.windows
         if self.plant is None:
-            yield from [bounds_of_task(task)] * len(w.narrow)
+            yield from [bounds_of_task(task)] * len(windows.narrow)
             return
         enclosure = PlantEnclosure(self.plant, task.dimension, sign, task.order)
-        low, high = w.low, w.high
+        low, high = windows.low, windows.high
         if task.order == 2:
             slow, fast = velocity_bounds(require_refined(self.controller.design))
             low, high = np.concatenate([low, slow], axis=1), np.concatenate([high, fast], axis=1)
         for a, b in zip(worst_with_previous_window(low, np.minimum), worst_with_previous_window(high, np.maximum), strict=True):
-            yield enclosure.over(list(zip(a.tolist(), b.tolist(), strict=True)), self._drift(a, b))
+            yield enclosure.over(list(zip(a.tolist(), b.tolist(), strict=True)), self._sample_drift(a, b))
 
     @property
-    def mixed_age(self) -> float:
-        """To which age of a sample the bounds on a plant that mixes are known, seconds; without end for others."""
+    def known_mixing_age(self) -> float:
+        """The age of a sample, in seconds, up to which bounds hold on a plant whose input depends on the sample; infinite for
+        others."""
         if self.plant is None or self.plant.mixing is None or self.controller.task.order == 1:
             return math.inf
-        return (self.wanted + self.latency) * float(KNOWN_AGE_FACTOR)
+        return (self.wanted_period + self.latency) * float(KNOWN_AGE_FACTOR)
 
-    def _drift(self, low: Array, high: Array) -> list[float]:
-        """How far x of a sample may be from x in a window of that box: of order 2 as far as it gets in `mixed_age`; of order 1
-        both may be anywhere in it."""
+    def _sample_drift(self, low: Array, high: Array) -> list[float]:
+        """Bound by component how far x may move from its sample while both are in the box of a window.
+
+        Of order 2 the speed bounds it, for an age of `known_mixing_age`; of order 1 it may be anywhere in the box.
+        """
         n = self.controller.task.dimension
-        far = high[:n] - low[:n]
-        if math.isfinite(self.mixed_age):
-            far = np.minimum(far, np.maximum(np.abs(low[n:]), np.abs(high[n:])) * self.mixed_age)
-        return [float(v) for v in (far + self.noise) * (1 + 1e-12)]
+        distance = high[:n] - low[:n]
+        if math.isfinite(self.known_mixing_age):
+            distance = np.minimum(distance, np.maximum(np.abs(low[n:]), np.abs(high[n:])) * self.known_mixing_age)
+        return [float(v) for v in (distance + self.noise) * (1 + 1e-12)]
 
     @property
     def name(self) -> str:
+        """The name of the plant, for messages."""
         if self.plant is not None:
             return self.plant.name
-        return (
-            "[plant] of the task"
-            if self.controller.task.plant.is_stated
-            else "xdot = u"
-            if self.controller.task.gain[0] > 0
-            else "xdot = -u"
-        )
+        if self.controller.task.plant.is_stated:
+            return "[plant] of the task"
+        return "xdot = u" if self.controller.task.gain[0] > 0 else "xdot = -u"
 
     # ------------------------------------------------------------------------------------ sampled control
 
     @cached_property
     def periods(self) -> dict[str, Period | None]:
-        """By statement, the longest period proved for the task's gain."""
-        known = (
-            SAMPLING_CONDITIONS if self.controller.task.order == 1 and not self.controller.task.scales_input else self.statements
-        )
-        return {statement: longest_proved_period_from(self.shortest, statement, self.setting) for statement in known}
+        """The longest period proved for the task's gain, by kind of the sampling conditions."""
+        task = self.controller.task
+        kinds = SAMPLING_CONDITIONS if task.order == 1 and not task.scales_input else self.condition_kinds
+        return {kind: longest_proved_period_from(self.shortest, kind, self.sampled_loop) for kind in kinds}
 
     @property
     def shortest(self) -> float:
-        """The shortest period: 0 but for adaptive tubes, whose alpha may not be stepped more finely than is certified, and for a
-        velocity by differences."""
+        """The lower limit of periods in seconds.
+
+        It is 0 except for adaptive tubes, whose certificate has a shortest step of alpha, and for a velocity by differences.
+        """
         steps = self.controller.certificate.steps
         if self.controller.task.uses_differences:
             return float(self.controller.task.shortest_period)
@@ -187,147 +190,188 @@ class Analysis:
 
     @property
     def state_is_outside(self) -> bool:
-        """Whether initial_state is none of the starts in the share."""
-        state = self._eps_of([float(v) for v in self.controller.task.initial_state])
-        return bool((state > self._eps_of(None)).any())
+        """Whether initial_state is outside the start share."""
+        state = self._start_bound([float(v) for v in self.controller.task.initial_state])
+        return bool((state > self._start_bound(None)).any())
 
     def assumptions(self) -> list[str]:
-        """What the periods rest on and nothing here can show."""
-        task, found = self.controller.task, list[str]()
+        """Return sentences on what the periods rest on and no program can check."""
+        task, assumptions = self.controller.task, list[str]()
         if task.emit.scalar == "fixed":
-            found.append("samples are taken at ticks; `generate` says which gains integers hold beside u_max")
+            assumptions.append("samples are taken at ticks; `generate` says which gains integers hold beside u_max")
         if task.order == 2:
-            found.append("below, |e| is that of v + lambda x in its tube; x stays in its own")
+            assumptions.append("below, |e| is that of v + lambda x in its tube; x stays in its own")
         if task.uses_differences:
-            found.append(f"samples are at least {decimal(task.shortest_period)} s apart, and their distance is measured exactly")
+            assumptions.append(
+                f"samples are at least {decimal(task.shortest_period)} s apart, and their distance is measured exactly"
+            )
         if self.state_is_outside:
-            found.append("the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows")
+            assumptions.append(
+                "the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows"
+            )
         if self.plant is None and task.plant.is_stated:
             if task.plant.g_cross is None and task.dimension > 1:
-                found.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
+                assumptions.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
             if task.plant.g_min is None:
-                found.append(f"plant.g_min, which is not stated, is {below_float(float(self.bounds[0].eigenvalue_min)):g}")
+                assumptions.append(f"plant.g_min, which is not stated, is {round_down(float(self.bounds[0].eigenvalue_min)):g}")
         if self.shortest and not task.uses_differences:
-            found.append("alpha follows (11); what the emitted steps differ from it by is not in the period")
-        return found
+            assumptions.append("alpha follows (11); what the emitted steps differ from it by is not in the period")
+        return assumptions
 
     @cached_property
     def period(self) -> Period | None:
-        """The period of the statement that allows the longest."""
-        found = [p for p in self.periods.values() if p is not None]
-        return max(found, key=lambda p: p.seconds, default=None)
+        """The longest proved period, over all kinds of sampling conditions."""
+        proved = [p for p in self.periods.values() if p is not None]
+        return max(proved, key=lambda p: p.seconds, default=None)
 
     @cached_property
     def from_initial_state(self) -> Period | None:
-        """The longest period from initial_state alone, where that is longer than from all starts of the share."""
-        setting = self.setting.with_start(self._eps_of([float(v) for v in self.controller.task.initial_state]))
-        found = [p for p in (longest_proved_period_from(self.shortest, name, setting) for name in self.periods) if p is not None]
-        best = max(found, key=lambda p: p.seconds, default=None)
+        """The longest period from initial_state alone, None unless it is longer than from all starts of the start share."""
+        loop = self.sampled_loop.with_start(self._start_bound([float(v) for v in self.controller.task.initial_state]))
+        periods = (longest_proved_period_from(self.shortest, kind, loop) for kind in self.periods)
+        best = max((p for p in periods if p is not None), key=lambda p: p.seconds, default=None)
         return None if best is None or (self.period is not None and best.seconds <= self.period.seconds) else best
 
     @cached_property
     def gains(self) -> Gains:
-        """What multiples of the task's gain would allow."""
-        return Gains(self.setting, self.setting.law.gain, self.shortest, self.statements)
+        """What multiples of the task's gain prove."""
+        return Gains(self.sampled_loop, self.sampled_loop.law.gain, self.shortest, self.condition_kinds)
 
     @property
-    def wanted(self) -> float:
-        """The period, latency not in it, for which gains are told."""
+    def wanted_period(self) -> float:
+        """The period in seconds, without the latency, for which proved gains are reported."""
         return float(self.controller.task.sampling_period)
 
     # ---------------------------------------------------------------------------------------- hypotheses
 
     def hypotheses(self) -> Iterator[Hypothesis]:
-        s, task, c = self.setting, self.controller.task, self.controller.certificate
-        yield Hypothesis("tube", f"the certificate holds: {Property.WIDTH.code} to {Property.ARITHMETIC.code}", c.tube_holds)
-        yield Hypothesis("start", f"starts strictly inside gamma(0): {self.starts}", bool(np.isfinite(s.start).all()))
-        least = float(s.eigenvalue_min.min())
-        sign = "" if task.gain[0] > 0 else "-"
-        known = f"{sign}g_s > 0 over the tube" + (f", at least {below_float(least):g}" if math.isfinite(least) else "")
-        yield Hypothesis("Assumption 2", known, least > 0)
-        clamp = s.law.eps_at_clamp
-        inside = (epsilon_star(s) < clamp).all() or (epsilon_star_norm(s) < clamp).all() or self.period is not None
-        most = by_component([float(f"{below_float(v):.4g}") for v in clamp.tolist()])
-        told = f"eps* <= eps(e_max) = {most} under continuous control, or a sampled statement holds: the clamp never acts"
-        yield Hypothesis("Theorem 4.1", told, bool(inside))
-        if task.u_max is not None:
-            free = self.period is not None or (holds_scaled(s) if task.scales_input else holds_saturated(s))
-            free = free or bool(((continuous_input_bound(s) <= s.law.u_max) & (epsilon_star(s) < clamp)).all())
-            told = f"control.u_max is at least what the law may ask for, or outdoes all that pushes ({Property.LIMITS.code})"
-            yield Hypothesis("saturation", told, free)
-        if task.emit.tick_period is not None:
-            period = self.period
-            enough = period is not None and float(task.emit.tick_period) + self.latency <= period.seconds
-            yield Hypothesis("sampling", f"emit.tick_period = {float(task.emit.tick_period):g} s is proved short enough", enough)
-        if self.plant is not None and (task.control.period is not None or task.requires_input_limits):
-            stated = Property.PERIOD if task.control.period is not None else Property.LIMITS
-            told = f"this plant is one of those that {stated.code} is about: {self._stated}"
-            easier = self.noise < float(task.plant.noise or 0) or self.latency < float(task.control.latency)
-            told += "; asked with less noise or latency than the task's" if easier else ""
-            beyond = uncovered_bounds(task, self.bounds)
-            told += f"; but {'; '.join(beyond)}" if beyond else ""
-            yield Hypothesis("[plant]", told, self.is_covered and not easier)
-        if self.reading.update_function is not None:
-            yield from _hypotheses_about(self.reading.update_function)
+        """Yield what the bounds assume, and whether it holds: of the tube, the start, the plant, the clamp, limits and
+        periods."""
+        certificate = self.controller.certificate
+        properties = f"{Property.WIDTH.code} to {Property.ARITHMETIC.code}"
+        yield Hypothesis("tube", f"the certificate holds: {properties}", certificate.tube_holds)
+        is_inside = bool(np.isfinite(self.sampled_loop.start).all())
+        yield Hypothesis("start", f"starts strictly inside gamma(0): {self.starts}", is_inside)
+        yield self._gain_matrix_hypothesis()
+        yield self._clamp_hypothesis()
+        yield from self._saturation_hypothesis()
+        yield from self._tick_hypothesis()
+        yield from self._stated_plant_hypothesis()
+        if self.tube_reading.update_function is not None:
+            yield from _update_function_hypotheses(self.tube_reading.update_function)
+
+    def _gain_matrix_hypothesis(self) -> Hypothesis:
+        """Assumption 2: the symmetric part g_s of g, or of -g for negative gains, is positive definite over the tube."""
+        smallest = float(self.sampled_loop.eigenvalue_min.min())
+        sign = "" if self.controller.task.gain[0] > 0 else "-"
+        bound = f", at least {round_down(smallest):g}" if math.isfinite(smallest) else ""
+        return Hypothesis("Assumption 2", f"{sign}g_s > 0 over the tube{bound}", smallest > 0)
+
+    def _clamp_hypothesis(self) -> Hypothesis:
+        """Theorem 4.1: |eps| never reaches the clamp, under continuous control or by a proved period."""
+        loop, clamp = self.sampled_loop, self.sampled_loop.law.eps_at_clamp
+        never_acts = (epsilon_star(loop) < clamp).all() or (epsilon_star_norm(loop) < clamp).all() or self.period is not None
+        bound = by_component([float(f"{round_down(v):.4g}") for v in clamp.tolist()])
+        statement = f"eps* <= eps(e_max) = {bound} under continuous control, or a sampled statement holds: the clamp never acts"
+        return Hypothesis("Theorem 4.1", statement, bool(never_acts))
+
+    def _saturation_hypothesis(self) -> Iterator[Hypothesis]:
+        """Yield, for a task with u_max, whether the limits are never reached or outdo the plant."""
+        task, loop = self.controller.task, self.sampled_loop
+        if task.u_max is None:
+            return
+        is_harmless = self.period is not None or (holds_scaled(loop) if task.scales_input else holds_saturated(loop))
+        is_below = (continuous_input_bound(loop) <= loop.law.u_max) & (epsilon_star(loop) < loop.law.eps_at_clamp)
+        statement = f"control.u_max is at least what the law may ask for, or outdoes all that pushes ({Property.LIMITS.code})"
+        yield Hypothesis("saturation", statement, is_harmless or bool(is_below.all()))
+
+    def _tick_hypothesis(self) -> Iterator[Hypothesis]:
+        """Yield, for a task with ticks, whether a sample each tick is proved."""
+        tick = self.controller.task.emit.tick_period
+        if tick is None:
+            return
+        is_proved = self.period is not None and float(tick) + self.latency <= self.period.seconds
+        yield Hypothesis("sampling", f"emit.tick_period = {float(tick):g} s is proved short enough", is_proved)
+
+    def _stated_plant_hypothesis(self) -> Iterator[Hypothesis]:
+        """Yield whether a plant with equations is within the table [plant], where the certificate is about that table."""
+        task = self.controller.task
+        if self.plant is None or (task.control.period is None and not task.requires_input_limits):
+            return
+        about = Property.PERIOD if task.control.period is not None else Property.LIMITS
+        is_easier = self.noise < float(task.plant.noise or 0) or self.latency < float(task.control.latency)
+        uncovered = uncovered_bounds(task, self.bounds)
+        statement = f"this plant is one of those that {about.code} is about: {self._stated_bounds}"
+        statement += "; asked with less noise or latency than the task's" if is_easier else ""
+        statement += f"; but {'; '.join(uncovered)}" if uncovered else ""
+        yield Hypothesis("[plant]", statement, self.is_covered and not is_easier)
 
     @property
-    def _stated(self) -> str:
+    def _stated_bounds(self) -> str:
+        """The bounds of the table [plant] as inequalities: in norm where u is scaled, else by component."""
         stated = self.controller.task.plant_bounds
         if self.controller.task.scales_input:
-            one = stated[0]
-            return f"|f + w| <= {decimal(one.force)}, g_s >= {decimal(one.g_min)}, |g| <= {decimal(one.g_max)}"
-        force, low, high, cross = (by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross"))
-        return f"|f_i + w_i| <= {force}, {low} <= g_ii <= {high}, |g_ij| <= {cross}"
+            norms = stated[0]
+            return f"|f + w| <= {decimal(norms.force)}, g_s >= {decimal(norms.g_min)}, |g| <= {decimal(norms.g_max)}"
+        force, g_min, g_max, g_cross = (
+            by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross")
+        )
+        return f"|f_i + w_i| <= {force}, {g_min} <= g_ii <= {g_max}, |g_ij| <= {g_cross}"
 
     @property
     def is_covered(self) -> bool:
-        """Whether [plant] holds of the plant all over the tube, component by component, or in norm where u is scaled: then what
-        the certificate says of plants within [plant] is true of it."""
+        """Whether the plant is within the task's table [plant] all over the tube, so that the certificate is about it.
+
+        It is compared in norm where u is scaled, else by component.
+        """
         return not uncovered_bounds(self.controller.task, self.bounds)
 
     # -------------------------------------------------------------------------------------------- reports
 
-    # What overflows in a search is infinite, and proves nothing; what is said was shown in balls. So NumPy need not warn.
+    # A number that overflows in a search is infinite and proves nothing; so NumPy need not warn.
     @np.errstate(all="ignore")
-    def sampling(self) -> Sampling:
-        """The proved period at the task's gain, the gain with the longest, the gains for the task's tick or a millisecond."""
-        task, own, alone, age = self.controller.task, self.period, self.from_initial_state, self.wanted + self.latency
+    def sampling(self) -> SamplingReport:
+        """Return what is proved at the task's gain, the gain with the longest period, and the gains for `wanted_period`."""
+        task, age = self.controller.task, self.wanted_period + self.latency
         sign = 1 if task.gain[0] > 0 else -1
-        longest, limited, gains = self.gains.longest, self.gains.limited, self.gains.range(age)
-        roomiest = choose_proved_gain(self.setting, age, self.shortest, self.statements)
+        limited, gains = self.gains.limited, self.gains.range(age)
+        smallest_error = choose_proved_gain(self.sampled_loop, age, self.shortest, self.condition_kinds)
 
         def signed(gain: Array) -> tuple[float, ...]:
             return tuple((sign * gain).tolist())
 
-        def advice(found: tuple[Array, Period] | None, u_max: tuple[float, ...] | None = None) -> Advice | None:
-            proved = None if found is None else ProvedPeriod.of(found[1], self.latency)
-            return None if found is None or proved is None else Advice(signed(found[0]), proved, u_max)
+        def advice(choice: tuple[Array, Period] | None, u_max: tuple[float, ...] | None = None) -> Advice | None:
+            if choice is None:
+                return None
+            gain, period = choice
+            proved = ProvedPeriod.of(period, self.latency)
+            return None if proved is None else Advice(signed(gain), proved, u_max)
 
-        return Sampling(
+        proved_gains = None
+        if gains is not None:
+            last = None if gains.last is None else signed(gains.last)
+            proved_gains = ProvedGains(signed(gains.first), last, gains.first_is_end, gains.last_is_end)
+        return SamplingReport(
             plant=self.name,
             latency=self.latency,
-            assumes=tuple(self.assumptions()),
-            shortest=above_float(self.shortest),
+            assumptions=tuple(self.assumptions()),
+            shortest=round_up(self.shortest),
             shortest_for="control.period_min" if task.uses_differences else "alpha_step",
             starts=self.starts,
             gain=tuple(float(v) for v in task.gain),
-            at_this_gain=ProvedPeriod.of(own, self.latency),
-            from_initial_state=ProvedPeriod.of(alone, self.latency),
-            longest=advice(longest),
-            limited=None if limited is None else advice(limited[1:], tuple(limited[0].tolist())),
-            wanted=self.wanted,
-            roomiest=advice(roomiest),
-            gains=None
-            if gains is None
-            else ProvedGains(
-                signed(gains.first), None if gains.last is None else signed(gains.last), gains.first_is_end, gains.last_is_end
-            ),
+            at_this_gain=ProvedPeriod.of(self.period, self.latency),
+            from_initial_state=ProvedPeriod.of(self.from_initial_state, self.latency),
+            longest=advice(self.gains.longest),
+            longest_with_limits=None if limited is None else advice(limited[1:], tuple(limited[0].tolist())),
+            wanted=self.wanted_period,
+            smallest_error=advice(smallest_error),
+            gains=proved_gains,
         )
 
     @np.errstate(all="ignore")
     def report(self) -> BoundsReport:
-        """Everything that is known of this loop, rounded outwards for print."""
-        controller, s, w = self.controller, self.setting, self.windows
+        """Return all hypotheses and bounds, rounded towards the weaker statement."""
+        controller, s, w = self.controller, self.sampled_loop, self.windows
         return BoundsReport(
             task=controller.task.name,
             design=controller.design.kind,
@@ -338,34 +382,34 @@ class Analysis:
             latency=self.latency,
             hypotheses=tuple(self.hypotheses()),
             tube=TubeBounds(
-                rounded(w.low.min(axis=0), below_float),
-                rounded(w.high.max(axis=0), above_float),
-                rounded(w.narrow.min(axis=0), below_float),
-                rounded(w.wide.max(axis=0), above_float),
-                rounded(w.speed.max(axis=0), above_float),
+                round_each(w.low.min(axis=0), round_down),
+                round_each(w.high.max(axis=0), round_up),
+                round_each(w.narrow.min(axis=0), round_down),
+                round_each(w.wide.max(axis=0), round_up),
+                round_each(w.speed.max(axis=0), round_up),
             ),
             plant_over_the_tube=PlantOverTube(
-                rounded(np.array([b.disturbance for b in self.bounds]).max(axis=0), above_float),
-                rounded(s.diagonal_min.min(axis=0), below_float),
-                rounded(s.cross.max(axis=(0, 2)), above_float),
-                below_float(float(s.eigenvalue_min.min())),
-                above_float(float(s.norm.max())),
+                round_each(np.array([b.disturbance for b in self.bounds]).max(axis=0), round_up),
+                round_each(s.diagonal_min.min(axis=0), round_down),
+                round_each(s.cross.max(axis=(0, 2)), round_up),
+                round_down(float(s.eigenvalue_min.min())),
+                round_up(float(s.norm.max())),
             ),
             continuous=ContinuousBounds(
-                rounded(epsilon_star(s), above_float),
-                above_float(epsilon_star_norm(s)),
-                rounded(continuous_input_bound(s), above_float),
+                round_each(epsilon_star(s), round_up),
+                round_up(epsilon_star_norm(s)),
+                round_each(continuous_input_bound(s), round_up),
             ),
             sampled={name: ProvedPeriod.of(p, self.latency) for name, p in self.periods.items()},
             sampling=self.sampling(),
-            update_function=self.reading.update_function,
+            update_function=self.tube_reading.update_function,
             proposed=self.proposed,
             filter=tuple(float(v) for v in controller.design.filter),
         )
 
     @property
     def proposed(self) -> ProposedBounds | None:
-        """[plant] for the plant that equations describe, over the tube."""
+        """The table [plant] that states the bounds of a plant with equations over the tube; None without such a plant."""
         if self.plant is None:
             return None
         sign = -1 if self.controller.task.gain[0] > 0 else 1
@@ -377,7 +421,7 @@ class Analysis:
 
 @dataclass(frozen=True)
 class TubeReading:
-    """What the report computes from a design alone: its windows, and bounds on its update function where it has one."""
+    """The windows of a tube, and bounds on its update function where it has one."""
 
     windows: Windows
     update_function: UpdateFunctionBounds | None = None
@@ -388,7 +432,7 @@ def _read_splines(_task: Task, design: RefinedDesign) -> TubeReading:
 
 
 def _read_adaptive(task: Task, design: AdaptiveDesign) -> TubeReading:
-    """Read the tube in balls, and with it what the statements about the rate of the update function need."""
+    """Enclose the tube in balls, and bound what the repaired Lemma 3.3 needs: psi, alpha and the four gaps."""
     tube = enclosed_tube(task, design)
     psi, alpha, rho, beta = tube.lines.psi, tube.alpha, tube.lines.rho, tube.lines.beta
     low, high = 0, 1
@@ -396,18 +440,18 @@ def _read_adaptive(task: Task, design: AdaptiveDesign) -> TubeReading:
     lower = (rho[:, :, 0, high] - alpha[:, :, 0, low], beta[:, :, 0, high])
     gap = min(float((a - b).min()) for a in upper for b in lower)
     bounds = UpdateFunctionBounds(
-        below_float(float((psi[..., low] + alpha[..., low]).min())),
-        below_float(float(psi[0, ..., low].min())),
-        above_float(float(alpha[..., high].max())),
-        below_float(gap),
-        above_float(math.log(4) / float(design.nu)),
+        round_down(float((psi[..., low] + alpha[..., low]).min())),
+        round_down(float(psi[0, ..., low].min())),
+        round_up(float(alpha[..., high].max())),
+        round_down(gap),
+        round_up(math.log(4) / float(design.nu)),
     )
     return TubeReading(enclosed_windows(tube), bounds)
 
 
-def _hypotheses_about(bounds: UpdateFunctionBounds) -> list[Hypothesis]:
-    """Return Lemma 3.3 repaired, and the four gaps, for an update function within these bounds."""
-    gap, star = bounds.least_gap, bounds.s_star
+def _update_function_hypotheses(bounds: UpdateFunctionBounds) -> list[Hypothesis]:
+    """Return the hypotheses of the repaired Lemma 3.3: psi + alpha is positive, and the four gaps are wide enough."""
+    gap, star = bounds.smallest_gap, bounds.s_star
     if gap is None or star is None:
         return [Hypothesis("update function", "psi + alpha is bounded away from 0", False)]
     required = bounds.ln4_over_nu

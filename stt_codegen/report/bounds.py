@@ -1,5 +1,8 @@
-"""What `prove TASK` and `design` say of a loop, as data: hypotheses, bounds with their numbers, proved periods. Every number is
-rounded to the safe side, to four digits; None where nothing is proved."""
+"""What `prove TASK` and `design` report about a closed loop, as data: hypotheses, bounds with their numbers, proved periods.
+
+Every number has four digits, rounded towards the weaker statement; None where nothing is proved. report/analysis.py computes
+them.
+"""
 
 from __future__ import annotations
 
@@ -18,24 +21,24 @@ from stt_codegen.sampling import Period
 Numbers = tuple[float | None, ...]  # by dimension
 
 
-def below_float(value: float) -> Any:
-    """Four digits, not above the value; None where it is not finite."""
+def round_down(value: float) -> Any:
+    """Return the value with four digits, rounded down; None where it is not finite."""
     return below(Fraction(value), 4) if math.isfinite(value) else None
 
 
-def above_float(value: float) -> Any:
-    """Four digits, not below the value; None where it is not finite."""
+def round_up(value: float) -> Any:
+    """Return the value with four digits, rounded up; None where it is not finite."""
     return above(Fraction(value), 4) if math.isfinite(value) else None
 
 
-def rounded(values: npt.NDArray[Any], rounding: Callable[[float], float | None]) -> Numbers:
-    """Every number by `below_float` or `above_float`."""
+def round_each(values: npt.NDArray[Any], rounding: Callable[[float], float | None]) -> Numbers:
+    """Round every number by `round_down` or `round_up`."""
     return tuple(rounding(float(v)) for v in values)
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """Something that a theorem assumes: whether it holds for this tube and plant, with the numbers."""
+    """An assumption of a theorem, as a sentence with numbers, and whether it holds for this tube and plant."""
 
     name: str
     statement: str
@@ -44,54 +47,61 @@ class Hypothesis:
 
 @dataclass(frozen=True, kw_only=True)
 class ProvedPeriod:
-    """A period (seconds, rounded down; latency is not in it) with what |e| and |u| stay below by component, and the time window
-    and dimension (0: all) that allow no more."""
+    """A proved sampling period in seconds, to which the latency has to be added for the age of a sample.
+
+    statement: the kind of the sampling conditions. e, u: bounds on |e| and |u| by component. critical_window, critical_dimension:
+    the time from and until which, and the dimension from 1 (0: all) in which, no longer period is proved.
+    """
 
     statement: str
     period: float
     e: tuple[float, ...]
     u: tuple[float, ...]
-    time: tuple[float, float]
-    dimension: int
+    critical_window: tuple[float, float]
+    critical_dimension: int
 
     @classmethod
     def of(cls, period: Period | None, latency: float = 0.0) -> ProvedPeriod | None:
-        """What is proved where u acts up to `latency` after its sample: the age of a sample less that; None where none is."""
+        """Return what is proved where u acts up to `latency` seconds after its sample; None where no period is left then."""
         if period is None or not period.seconds > latency:
             return None
         begin, end, dimension = period.bottleneck
-        e, u = (tuple(above_float(v) for v in values) for values in (period.e, period.u))
+        e, u = (tuple(round_up(v) for v in values) for values in (period.e, period.u))
         return cls(
             statement=period.kind,
-            period=below_float(period.seconds - latency),
+            period=round_down(period.seconds - latency),
             e=e,
             u=u,
-            time=(begin, end),
-            dimension=dimension,
+            critical_window=(begin, end),
+            critical_dimension=dimension,
         )
 
     def document(self) -> dict[str, Any]:
-        tight = {"time": list(self.time), "dimension": self.dimension or "all"}
-        return {"statement": self.statement, "period": self.period, "e": list(self.e), "u": list(self.u), "tight": tight}
+        """Return the period as JSON data."""
+        critical = {"time": list(self.critical_window), "dimension": self.critical_dimension or "all"}
+        return {"statement": self.statement, "period": self.period, "e": list(self.e), "u": list(self.u), "tight": critical}
 
 
 @dataclass(frozen=True)
 class Advice:
-    """A gain by component, with limits on u where they are part of it, and what is proved with it."""
+    """A gain by component that a user may choose, with limits on u where these have to change too, and what it proves."""
 
     gain: tuple[float, ...]
     proved: ProvedPeriod
     u_max: tuple[float, ...] | None = None
 
     def document(self) -> dict[str, Any]:
+        """Return the advice as JSON data."""
         limits = {} if self.u_max is None else {"u_max": list(self.u_max)}
         return {"gain": list(self.gain), **limits, **self.proved.document()}
 
 
 @dataclass(frozen=True)
 class ProvedGains:
-    """Every gain from `first` to `last`, by component in fixed proportions, is proved; last None: every gain from `first` on.
-    `first_is_end`, `last_is_end`: whether the proof ends there; else the search did."""
+    """The range of gains, by component in fixed proportions, that are all proved; last None: every gain from `first` on.
+
+    first_is_end, last_is_end: whether no gain beyond is proved; else the search ended there.
+    """
 
     first: tuple[float, ...]
     last: tuple[float, ...] | None
@@ -99,13 +109,14 @@ class ProvedGains:
     last_is_end: bool
 
     def document(self) -> dict[str, Any]:
+        """Return the range as JSON data."""
         last = None if self.last is None else list(self.last)
         ends = {"from_is_end": self.first_is_end, "to_is_end": self.last_is_end}
         return {"from": list(self.first), "to": last, **ends}
 
     @property
     def text(self) -> str:
-        """In words, as "from 0.0005 to at least 1.8"; nothing is said of gains beyond."""
+        """Describe the range, as in "from 0.0005 to at least 1.8"."""
         first = by_component(self.first) + ("" if self.first_is_end else " or less")
         if self.last is None:
             return f"from {first} on, for u_max limits what a larger gain asks for"
@@ -113,46 +124,51 @@ class ProvedGains:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sampling:
-    """What a user chooses from, all of it for the starts that `starts` names but for `from_initial_state`.
+class SamplingReport:
+    """Periods and gains that a user can choose from, in seconds and by component.
 
-    assumes: what the periods rest on and nothing here can show. shortest: seconds below which alpha may not be stepped. longest:
-    the gain with the longest period; limited: the same with limits on u; roomiest: of the gains proved for `wanted` seconds the
-    one that keeps |e| least in a run from the middle; gains: the range of them."""
+    All are for every start that `starts` describes, except `from_initial_state`, which is for that state alone. assumptions: what
+    the periods rest on and no program can check. shortest: a lower limit of periods, which the key `shortest_for` needs.
+    at_this_gain: for the task's gain. longest: the gain with the longest period; longest_with_limits: the same where
+    control.u_max may change. gains: those proved for the period `wanted`; smallest_error: the one of them with the smallest |e|
+    in a run from the middle.
+    """
 
     plant: str
     latency: float
-    assumes: tuple[str, ...]
+    assumptions: tuple[str, ...]
     shortest: float
     starts: str
     gain: tuple[float, ...]
     at_this_gain: ProvedPeriod | None
     from_initial_state: ProvedPeriod | None
     longest: Advice | None
-    limited: Advice | None
+    longest_with_limits: Advice | None
     wanted: float
-    roomiest: Advice | None
+    smallest_error: Advice | None
     gains: ProvedGains | None
-    shortest_for: str = ""  # what asks for it
+    shortest_for: str = ""
 
     def document(self) -> dict[str, Any]:
-        def shown(value: ProvedPeriod | Advice | None) -> dict[str, Any] | None:
+        """Return the report as JSON data."""
+
+        def optional_document(value: ProvedPeriod | Advice | None) -> dict[str, Any] | None:
             return None if value is None else value.document()
 
         return {
             "plant": self.plant,
             "latency": self.latency,
-            "assumes": list(self.assumes),
+            "assumes": list(self.assumptions),
             "shortest": self.shortest,
             "starts": self.starts,
             "gain": list(self.gain),
-            "at_this_gain": shown(self.at_this_gain),
-            "from_initial_state_alone": shown(self.from_initial_state),
-            "longest": shown(self.longest),
-            "longest_with_limits": shown(self.limited),
+            "at_this_gain": optional_document(self.at_this_gain),
+            "from_initial_state_alone": optional_document(self.from_initial_state),
+            "longest": optional_document(self.longest),
+            "longest_with_limits": optional_document(self.longest_with_limits),
             "wanted": {
                 "period": self.wanted,
-                "most_room": shown(self.roomiest),
+                "most_room": optional_document(self.smallest_error),
                 "gains": None if self.gains is None else self.gains.document(),
             },
         }
@@ -160,26 +176,41 @@ class Sampling:
 
 @dataclass(frozen=True)
 class TubeBounds:
+    """Bounds on the edges, the width and the speed of the edges, over all times."""
+
     lower: Numbers
     upper: Numbers
-    least_width: Numbers
+    smallest_width: Numbers
     largest_width: Numbers
     speed: Numbers
+
+    def document(self) -> dict[str, Any]:
+        """Return the bounds as JSON data."""
+        return _with_key(asdict(self), "smallest_width", "least_width")
 
 
 @dataclass(frozen=True)
 class PlantOverTube:
-    """|f + w|, g_ii and |g_ij| over the tube by component; the least eigenvalue of g_s and |g|."""
+    """Bounds on the plant over the tube: on |f + w|, g_ii and |g_ij| by component, the eigenvalues of g_s from below, and |g|."""
 
-    push: Numbers
-    g_diagonal_least: Numbers
-    g_cross_largest: Numbers
-    g_s_least_eigenvalue: float | None
+    disturbance: Numbers
+    smallest_g_diagonal: Numbers
+    largest_g_cross: Numbers
+    smallest_g_s_eigenvalue: float | None
     g_norm: float | None
+
+    def document(self) -> dict[str, Any]:
+        """Return the bounds as JSON data."""
+        data = _with_key(asdict(self), "disturbance", "push")
+        data = _with_key(data, "smallest_g_diagonal", "g_diagonal_least")
+        data = _with_key(data, "largest_g_cross", "g_cross_largest")
+        return _with_key(data, "smallest_g_s_eigenvalue", "g_s_least_eigenvalue")
 
 
 @dataclass(frozen=True)
 class ContinuousBounds:
+    """Bounds of Theorem 4.1 for continuous control: on |eps| by component and in norm, and on |u|."""
+
     epsilon_star: Numbers
     epsilon_star_norm: float | None
     u: Numbers
@@ -187,18 +218,26 @@ class ContinuousBounds:
 
 @dataclass(frozen=True)
 class UpdateFunctionBounds:
-    """Bounds on psi + alpha, alpha and the gaps of an adaptive tube; s_star = min over cells of psi + alpha."""
+    """Bounds on the update function of an adaptive tube.
+
+    s_star: on psi + alpha from below; psi_0: on psi(0) from below; alpha_max: on alpha from above. smallest_gap: of the four gaps
+    between edges and obstacles, which have to exceed ln4_over_nu.
+    """
 
     s_star: float | None
     psi_0: float | None
     alpha_max: float | None
-    least_gap: float | None
+    smallest_gap: float | None
     ln4_over_nu: float
+
+    def document(self) -> dict[str, Any]:
+        """Return the bounds as JSON data."""
+        return _with_key(asdict(self), "smallest_gap", "least_gap")
 
 
 @dataclass(frozen=True, kw_only=True)
 class BoundsReport:
-    """All of it for one controller and one plant."""
+    """All hypotheses and bounds for one controller and one plant."""
 
     task: str
     design: str
@@ -211,26 +250,31 @@ class BoundsReport:
     tube: TubeBounds
     plant_over_the_tube: PlantOverTube
     continuous: ContinuousBounds
-    sampled: Mapping[str, ProvedPeriod | None]
-    sampling: Sampling
+    sampled: Mapping[str, ProvedPeriod | None]  # by kind of the sampling conditions
+    sampling: SamplingReport
     update_function: UpdateFunctionBounds | None
     proposed: ProposedBounds | None
     filter: tuple[float, ...] = ()
 
     @property
-    def good(self) -> bool:
+    def all_hypotheses_hold(self) -> bool:
         return all(h.holds for h in self.hypotheses)
 
     def document(self) -> dict[str, Any]:
         """The report as JSON data."""
         data = {name: getattr(self, name) for name in ("task", "design", "scalar", "plant", "noise", "latency")}
         data["hypotheses"] = [asdict(h) for h in self.hypotheses]
-        data |= {"tube": asdict(self.tube), "plant_over_the_tube": asdict(self.plant_over_the_tube)}
+        data |= {"tube": self.tube.document(), "plant_over_the_tube": self.plant_over_the_tube.document()}
         data["continuous"] = asdict(self.continuous)
         data["sampled"] = {name: None if p is None else p.document() for name, p in self.sampled.items()}
         data["sampling"] = self.sampling.document()
         if self.proposed is not None:
             data["proposed_plant"] = self.proposed.document()
         if self.update_function is not None:
-            data["update_function"] = asdict(self.update_function)
+            data["update_function"] = self.update_function.document()
         return data
+
+
+def _with_key(data: dict[str, Any], old: str, new: str) -> dict[str, Any]:
+    """Return the data with a key renamed, in the same order: keys of the JSON stay as they were released."""
+    return {new if key == old else key: value for key, value in data.items()}

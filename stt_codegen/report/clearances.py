@@ -1,5 +1,4 @@
-"""A tube at samples beside the sets that it is to keep off: how far it is from each, what keeps them apart, and where it meets
-one. For pictures and pages; what is certified is in certify/."""
+"""Distances between a tube at samples of time and the unsafe sets, for pictures and pages. The proofs are in certify/."""
 
 from __future__ import annotations
 
@@ -17,63 +16,69 @@ Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 
-def _reached(row: Constraint, low: Array, high: Array) -> Array:
-    """What a row is of tubes (P, n), without its bound: (P,)."""
-    return np.asarray(sum((float(c) * (high if side else low)[:, i] for i, side, c in row.terms), np.zeros(len(low))))
+def _left_side(constraint: Constraint, low: Array, high: Array) -> Array:
+    """Evaluate the left-hand side of a constraint for tubes with edges (P, n): (P,)."""
+    return np.asarray(sum((float(c) * (high if side else low)[:, i] for i, side, c in constraint.terms), np.zeros(len(low))))
 
 
-def bounds_over(one: Avoidance, t: Array) -> Array:
-    """The bounds of a set's rows over time, without the clearance, (R, T); minus infinity while it is safe."""
-    if one.course is None:
-        return np.repeat(np.array([[float(row.bound)] for row in one.alternatives]), len(t), axis=1)
-    found = np.full((len(one.alternatives), len(t)), -np.inf)
-    keep = np.array([float(row.clearance) for row in one.alternatives])[:, None]
-    for leg in one.course.legs:
-        lines = MovingBounds.of(one, leg)
-        here = (t >= float(leg.begin)) & (t <= float(leg.end))
+def bounds_over(avoidance: Avoidance, t: Array) -> Array:
+    """Return the right-hand sides of a set's constraints over time, without the clearance: (R, T); -inf while the set is
+    inactive."""
+    if avoidance.course is None:
+        return np.repeat(np.array([[float(constraint.bound)] for constraint in avoidance.alternatives]), len(t), axis=1)
+    bounds = np.full((len(avoidance.alternatives), len(t)), -np.inf)
+    clearance = np.array([float(constraint.clearance) for constraint in avoidance.alternatives])[:, None]
+    for leg in avoidance.course.legs:
+        lines = MovingBounds.of(avoidance, leg)
+        is_active = (t >= float(leg.begin)) & (t <= float(leg.end))
         constant, slope = ((v / lines.denominator).astype(float)[..., None] for v in (lines.constant, lines.slope))
-        found[:, here] = np.maximum(found[:, here], (constant + slope * t[here]).max(axis=1) - keep)
-    return found
+        bounds[:, is_active] = np.maximum(bounds[:, is_active], (constant + slope * t[is_active]).max(axis=1) - clearance)
+    return bounds
 
 
-def distance(one: Avoidance, t: Array, low: Array, high: Array) -> Array:
-    """How far tubes at times t are from a set at least, along the best of its normals, the clearance not counted: (T,); negative
-    where they meet it, infinite while it is safe."""
-    slack = np.array([_reached(row, low, high) for row in one.alternatives]) - bounds_over(one, t)
-    size = np.array([np.sqrt(sum(c * c for _, _, c in row.terms)) for row in one.alternatives])[:, None]
+def distance(avoidance: Avoidance, t: Array, low: Array, high: Array) -> Array:
+    """Return the distance of tubes at times t from a set, along the best of its normals: (T,).
+
+    Negative where they overlap, infinite while the set is inactive. The clearance is not subtracted.
+    """
+    slack = np.array([_left_side(constraint, low, high) for constraint in avoidance.alternatives]) - bounds_over(avoidance, t)
+    size = np.array([np.sqrt(sum(c * c for _, _, c in constraint.terms)) for constraint in avoidance.alternatives])[:, None]
     return np.asarray((slack / size).max(axis=0))
 
 
-def spans(where: Flags) -> Iterator[tuple[int, int]]:
-    """First and last sample of every stretch that is true."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(np.int8)))
+def true_stretches(flags: Flags) -> Iterator[tuple[int, int]]:
+    """Yield the first and last index of every stretch of samples that are true."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     yield from zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True)
 
 
 @dataclass(frozen=True)
-class Band:
-    """A set in one dimension over time: edges (T,); `may`: while it may be unsafe, `kept`: of that, while nothing but this
-    dimension keeps the tube off it."""
+class ObstacleBand:
+    """An unsafe set in one dimension over time: its edges (T,).
+
+    is_active: whether it may be unsafe at a sample. is_separated_here: whether, then, only this dimension separates the tube
+    from it.
+    """
 
     name: str
     lower: Array
     upper: Array
-    may: Flags
-    kept: Flags
+    is_active: Flags
+    is_separated_here: Flags
 
 
-def bands(task: Task, i: int, t: Array, low: Array, high: Array) -> Iterator[Band]:
-    """Every unsafe set in dimension i."""
-    for one, convex in zip(avoidances(task), task.obstacles, strict=True):
-        bounds, off = bounds_over(one, t), np.zeros(len(t), dtype=bool)
+def obstacle_bands(task: Task, i: int, t: Array, low: Array, high: Array) -> Iterator[ObstacleBand]:
+    """Yield every unsafe set in dimension i, beside a tube with edges `low` and `high` at times t: (T, n)."""
+    for avoidance, convex in zip(avoidances(task), task.obstacles, strict=True):
+        bounds, is_separated_elsewhere = bounds_over(avoidance, t), np.zeros(len(t), dtype=bool)
         ends = dict(zip((-1, 1), (float(v) for v in convex.span(i)), strict=True))
         lower, upper = np.full(len(t), ends[-1]), np.full(len(t), ends[1])
-        for row, bound in zip(one.alternatives, bounds, strict=True):
-            if {d for d, _, _ in row.terms} != {i}:
-                off |= _reached(row, low, high) >= bound
-            elif one.course is not None and row.terms[0][2] < 0:
+        for constraint, bound in zip(avoidance.alternatives, bounds, strict=True):
+            if {d for d, _, _ in constraint.terms} != {i}:
+                is_separated_elsewhere |= _left_side(constraint, low, high) >= bound
+            elif avoidance.course is not None and constraint.terms[0][2] < 0:
                 lower = -bound
-            elif one.course is not None:
+            elif avoidance.course is not None:
                 upper = bound
-        may = np.asarray(np.isfinite(bounds).any(axis=0))
-        yield Band(one.name, lower, upper, may, may & ~off)
+        is_active = np.asarray(np.isfinite(bounds).any(axis=0))
+        yield ObstacleBand(avoidance.name, lower, upper, is_active, is_active & ~is_separated_elsewhere)

@@ -1,5 +1,4 @@
-"""Notes about the sets of a task: where what is taken is another set than the listed points may suggest. For `design` and
-`generate`."""
+"""Notes for `design` and `generate` on sets of a task that differ from what the listed points may suggest."""
 
 from __future__ import annotations
 
@@ -14,28 +13,30 @@ from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, hull_co
 
 
 def task_notes(task: Task) -> tuple[str, ...]:
-    """The notes, a sentence each: of the task's maps, its room, its polytopes, and the way round where axes close or might."""
-    return (*task.map_notes, *_notes(task), *turn_notes(task))
+    """Return a sentence on each map, outline and polytope that needs a note, and on which way round closed axes go."""
+    return (*task.map_notes, *_set_notes(task), *turn_notes(task))
 
 
-def _notes(task: Task) -> Iterator[str]:
-    room = task.floor_plan
-    if room is not None:
-        yield "state_space: the outline is a box" + (f" less {_walls(room.walls)}, an exact partition" if room.walls else "")
+def _set_notes(task: Task) -> Iterator[str]:
+    plan = task.floor_plan
+    if plan is not None:
+        yield "state_space: the outline is a box" + (
+            f" less {_counted_walls(plan.walls)}, an exact partition" if plan.walls else ""
+        )
     regions = (("region", region) for region in task.as_stated.region if isinstance(region, Unsafe))
     for kind, table in (*(("unsafe", table) for table in task.as_stated.unsafe), *regions):
         if isinstance(table, UnsafePolytope) and table.has_inner_points:
             yield f"{kind} {table.name}: {_hull_note(task, table)}"
 
 
-def _walls(names: tuple[str, ...]) -> str:
+def _counted_walls(names: tuple[str, ...]) -> str:
     if len(names) == 1:
         return f"1 convex unsafe set, {names[0]}"
     return f"{len(names)} convex unsafe sets, {names[0]} to {names[-1]}"
 
 
 def _hull_note(task: Task, table: UnsafePolytope) -> str:
-    """What is avoided beside the polygon that the points are in their order, where they are one."""
+    """Say how much larger the avoided hull is than the polygon that the listed points form, where they form one."""
     added = added_area(table.vertices)
     if added is None:
         return "its vertices are not all corners of their hull; the hull is what is avoided"
@@ -45,8 +46,10 @@ def _hull_note(task: Task, table: UnsafePolytope) -> str:
 
 
 def added_area(points: tuple[Vector, ...]) -> Fraction | None:
-    """How much larger the hull of points in the plane is than the polygon that they are in their order; None where they are no
-    simple polygon, or in other dimensions."""
+    """Return the area of the hull of points in the plane, less that of the polygon that they form in their order.
+
+    None where they form no simple polygon, or are not in the plane.
+    """
     if len(points[0]) != PLANE:
         return None
     scale = lcm(*(v.denominator for p in points for v in p))

@@ -1,5 +1,8 @@
-"""[plant] of a task for a plant that equations describe: numbers that a task takes and that hold all over the tube, or the reason
-why there are none; and where a plant is outside what [plant] states."""
+"""State the bounds of a plant with equations as the table [plant] of a task, or say why no table can; and compare a plant with
+it.
+
+report/analysis.py calls this with bounds over the windows of a tube.
+"""
 
 from __future__ import annotations
 
@@ -15,59 +18,65 @@ from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.sampling import Bounds, bounds_of_task
 from stt_codegen.task import Task
 
-SMALLEST, LARGEST = Fraction(1, 10**9), Fraction(10**9)  # of a number in a task that is not 0
-Value = float | list[float] | None
+SMALLEST, LARGEST = Fraction(1, 10**9), Fraction(10**9)  # of numbers in a task, apart from 0
+OneOrEach = float | list[float] | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProposedBounds:
-    """What [plant] would have to say over the tube, one number or one for each component; w_max None: the equations say nothing
-    of w. reason: why no task can say it; then `lines` is empty, else it is the whole table as a task file has it."""
+    """Values of [plant] that hold over the tube: one number, or one for each component.
 
-    f_max: Value = None
-    w_max: Value = None
-    g_min: Value = None
-    g_max: Value = None
-    g_cross: Value = None
+    w_max: None where the equations have no disturbance. reason: why no table can state this plant, else empty. lines: the table
+    as a task file has it.
+    """
+
+    f_max: OneOrEach = None
+    w_max: OneOrEach = None
+    g_min: OneOrEach = None
+    g_max: OneOrEach = None
+    g_cross: OneOrEach = None
     reason: str = ""
     lines: tuple[str, ...] = ()
 
     def document(self) -> dict[str, Any]:
+        """Return the values as JSON data."""
         names = ("f_max", "w_max", "g_min", "g_max", "g_cross", "reason")
         return {**{name: getattr(self, name) for name in names}, "toml": "\n".join(self.lines)}
 
 
 @dataclass(frozen=True)
 class Extremes:
-    """Over all windows, by component (n,), or as norms in one entry: |f + w|, g from below, g, and |g_ij| (n,)."""
+    """Bounds over all windows: on |f + w|, on g from below and above, and on |g_ij|. By component (n,), or norms in one entry."""
 
-    push: list[float]
+    disturbance: list[float]
     g_lower: list[float]
     g_upper: list[float]
     g_cross: list[float]
 
 
 def component_extremes(bounds: Sequence[Bounds]) -> Extremes:
-    """The worst of |f_i + w_i|, g_ii and |g_ij| over the windows."""
-    push, g_upper = (np.array([getattr(b, name) for b in bounds]).max(axis=0) for name in ("disturbance", "diagonal_max"))
+    """Return the largest |f_i + w_i| and |g_ij|, and the smallest and largest g_ii, over the windows."""
+    disturbance, g_upper = (np.array([getattr(b, name) for b in bounds]).max(axis=0) for name in ("disturbance", "diagonal_max"))
     g_lower = np.array([b.diagonal_min for b in bounds]).min(axis=0)
     g_cross = np.array([b.cross for b in bounds]).max(axis=(0, 2))
-    return Extremes(push.tolist(), g_lower.tolist(), g_upper.tolist(), g_cross.tolist())
+    return Extremes(disturbance.tolist(), g_lower.tolist(), g_upper.tolist(), g_cross.tolist())
 
 
 def norm_extremes(bounds: Sequence[Bounds]) -> Extremes:
-    """The worst of |f + w|, g_s and |g| over the windows; |g_ij| is in |g|."""
-    push, g_lower, g_upper = (
+    """Return the largest |f + w| and |g|, and the smallest eigenvalue of g_s, over the windows; |g| includes |g_ij|."""
+    disturbance, g_lower, g_upper = (
         max(b.disturbance_norm for b in bounds),
         min(b.eigenvalue_min for b in bounds),
         max(b.norm for b in bounds),
     )
-    return Extremes([push], [g_lower], [g_upper], [0.0])
+    return Extremes([disturbance], [g_lower], [g_upper], [0.0])
 
 
 def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
-    """Where a plant is outside what [plant] states: the number, and what is stated. Empty where it is covered. In norms where u
-    is scaled as a whole, else by component."""
+    """Return where a plant exceeds the task's table [plant], with its number and the stated one; empty where it is covered.
+
+    Compared in norms where u is scaled as a whole, else by component.
+    """
     extremes = norm_extremes if task.scales_input else component_extremes
     worst, stated = extremes(bounds), extremes([bounds_of_task(task)])
     g = "g" if task.gain[0] > 0 else "-g"
@@ -75,9 +84,9 @@ def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
     if task.scales_input:
         names = ("|f + w|", f"least eigenvalue of {g}_s", "|g|", "")
     lines: list[str] = []
-    for i in range(len(worst.push)):
-        label = f" of {task.axis_words[i]}" if len(worst.push) > 1 else ""
-        for name, kind in zip(names, ("push", "g_lower", "g_upper", "g_cross"), strict=True):
+    for i in range(len(worst.disturbance)):
+        label = f" of {task.axis_words[i]}" if len(worst.disturbance) > 1 else ""
+        for name, kind in zip(names, ("disturbance", "g_lower", "g_upper", "g_cross"), strict=True):
             value, limit = getattr(worst, kind)[i], getattr(stated, kind)[i]
             if kind == "g_lower" and value < limit:
                 lines.append(f"{name}{label} falls to {_digits(value, below)}, {limit:.9g} is stated")
@@ -87,51 +96,54 @@ def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
 
 
 def _digits(value: float, rounding: Callable[[Fraction, int], float]) -> str:
-    """As many digits, from four on, as tell it from a stated bound."""
+    """Return the value with nine digits, which tell it from a stated bound."""
     return f"{rounding(Fraction(value), 9):.9g}" if math.isfinite(value) else "no known bound"
 
 
 def propose_bounds(task: Task, bounds: Sequence[Bounds], w: Fraction, opposite: Callable[[], Sequence[Bounds]]) -> ProposedBounds:
-    """[plant] for a plant with these bounds, window by window, of which |w| is at most `w`. opposite: the bounds of the plant
-    with -g, called where g does not do."""
+    """Propose the table [plant] for a plant with these bounds by window.
+
+    w: the part of the bounds on |f + w| that is disturbance. opposite: returns the bounds of the plant with -g, to say whether a
+    gain of the other sign would do.
+    """
     worst = component_extremes(bounds)
-    if task.order == 1:  # one number each, good for statements in norms too
+    if task.order == 1:  # one number each, which holds for components and for norms
         norms = norm_extremes(bounds)
-        push, g_lower = max(norms.push + worst.push), min(norms.g_lower + worst.g_lower)
-        worst = Extremes([push], [g_lower], [max(norms.g_upper + worst.g_upper)], [max(worst.g_cross)])
+        disturbance, g_lower = max(norms.disturbance + worst.disturbance), min(norms.g_lower + worst.g_lower)
+        worst = Extremes([disturbance], [g_lower], [max(norms.g_upper + worst.g_upper)], [max(worst.g_cross)])
     reason = _reason(task, worst, opposite)
     if reason:
         return ProposedBounds(reason=reason)
     table = {
-        "f_max": [_stated_above(Fraction(v) - w) for v in worst.push],
+        "f_max": [_stated_above(Fraction(v) - w) for v in worst.disturbance],
         "w_max": [_stated_above(w)] if w else [],
         "g_min": [below(Fraction(v), 4) for v in worst.g_lower],
         "g_max": [_stated_above(Fraction(v)) for v in worst.g_upper],
         "g_cross": [_stated_above(Fraction(v)) for v in worst.g_cross],
     }
-    outside = next((f"{k} would be {v:.4g}" for k, values in table.items() for v in values if v and not _is_number(v)), None)
+    outside = next((f"{k} would be {v:.4g}" for k, values in table.items() for v in values if v and not _is_in_range(v)), None)
     if outside is not None:
         return ProposedBounds(reason=f"{outside}, and a task takes 0 or numbers from 1e-9 to 1e9; rescale the units")
-    f_max, w_max, g_min, g_max, g_cross = (_joined(values) for values in table.values())
+    f_max, w_max, g_min, g_max, g_cross = (_one_if_equal(values) for values in table.values())
     return ProposedBounds(f_max=f_max, w_max=w_max, g_min=g_min, g_max=g_max, g_cross=g_cross, lines=tuple(_lines(task, table)))
 
 
 def _stated_above(value: Fraction) -> float:
-    """Four digits, rounded up to a number that a task takes; 0 stays."""
+    """Return the value with four digits, rounded up to a number that a task may have; 0 stays."""
     return above(max(value, SMALLEST), 4) if value > 0 else 0.0
 
 
-def _is_number(value: float) -> bool:
+def _is_in_range(value: float) -> bool:
     return SMALLEST <= Fraction(f"{value:.9g}") <= LARGEST
 
 
-def _joined(values: list[float]) -> Value:
-    """One number where all agree, None where there is none."""
+def _one_if_equal(values: list[float]) -> OneOrEach:
+    """Return one number where all are equal, None for an empty list."""
     return None if not values else values[0] if len(set(values)) == 1 else values
 
 
 def _lines(task: Task, table: dict[str, list[float]]) -> Iterator[str]:
-    """The table as a file has it; what the equations do not say stays as the task has it."""
+    """Yield the lines of the table [plant]; values that the equations do not have are those of the task."""
     yield "[plant]"
     if task.order == 2:
         yield "order = 2"
@@ -146,8 +158,8 @@ def _lines(task: Task, table: dict[str, list[float]]) -> Iterator[str]:
 
 
 def _reason(task: Task, worst: Extremes, opposite: Callable[[], Sequence[Bounds]]) -> str:
-    """Why no [plant] can say it; empty where one can."""
-    for name, values in (("f", worst.push), ("g", [*worst.g_lower, *worst.g_upper, *worst.g_cross])):
+    """Return why no table [plant] can state these bounds; empty where one can."""
+    for name, values in (("f", worst.disturbance), ("g", [*worst.g_lower, *worst.g_upper, *worst.g_cross])):
         if not all(map(math.isfinite, values)):
             return f"no bound on {name} is known all over the tube"
     if min(worst.g_lower) > 0:
@@ -155,12 +167,12 @@ def _reason(task: Task, worst: Extremes, opposite: Callable[[], Sequence[Bounds]
     positive = task.gain[0] > 0
     g, sign = ("g", "negative") if positive else ("-g", "positive")
     if task.order == 1:
-        quantity, turned = f"the least eigenvalue of {g}_s", min(b.eigenvalue_min for b in opposite())
+        quantity, opposite_lowest = f"the least eigenvalue of {g}_s", min(b.eigenvalue_min for b in opposite())
     else:
         i = worst.g_lower.index(min(worst.g_lower))
-        quantity, turned = f"{g}_ii of {task.axis_words[i]}", min(float(b.diagonal_min.min()) for b in opposite())
+        quantity, opposite_lowest = f"{g}_ii of {task.axis_words[i]}", min(float(b.diagonal_min.min()) for b in opposite())
     lowest = f"{below(Fraction(min(worst.g_lower)), 4):g}"
     problem = f"{quantity} is only known to be at least {lowest}, and plant.g_min is greater than 0"
-    if turned > 0:
+    if opposite_lowest > 0:
         return f"{problem}; use a {sign} control.gain, with which [plant] bounds {'-g' if positive else 'g'}"
     return problem

@@ -170,8 +170,8 @@ def test_a_saturated_law_keeps_the_state_inside_where_saturation_is_proved() -> 
         run = loop.run(Scenario(rate=20000.0, disturbance=kind, strength=0.3, seed=1))
         assert run.kept, kind
         assert max(run.u) <= 1
-    with_law = analysis.setting.with_law
-    assert holds_saturated(analysis.setting)
+    with_law = analysis.sampled_loop.with_law
+    assert holds_saturated(analysis.sampled_loop)
     assert not holds_saturated(with_law(gain=np.full(2, 1e-4)))  # |u| is too small even at the largest |e|
     assert not holds_saturated(with_law(u_max=np.full(2, 0.3 + 0.9 * float(min(controller.certificate.speed)))))
 

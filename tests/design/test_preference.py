@@ -205,11 +205,11 @@ def test_each_preference_takes_the_best_of_the_tubes_in_the_trade_report(seed: i
     assert set(by_preference) == {"balanced", "slow", "wide", "period"}
     slowest = min(t.speed for t in report.tubes)
     assert by_preference["slow"].speed <= refine_module.SLOWEST_TOLERANCE * slowest * (1 + 1e-5)  # the tables are rounded
-    assert by_preference["wide"].least_width >= max(t.least_width for t in report.tubes) - 1e-5
+    assert by_preference["wide"].smallest_width >= max(t.smallest_width for t in report.tubes) - 1e-5
     # The search for periods, at gain 1/2, stops within 2 %.
     assert (by_preference["period"].period or 0) >= 0.98 * max(t.period or 0 for t in report.tubes)
     for tube in report.tubes:
-        assert tube.preferred or not any(alternative.beats(tube) for alternative in report.tubes)
+        assert tube.preferred or not any(alternative.dominates(tube) for alternative in report.tubes)
 
 
 @pytest.mark.slow

@@ -206,7 +206,7 @@ def test_the_robot_with_heading_has_a_proof_at_a_kilohertz() -> None:
     assert all(h.holds for h in analysis.hypotheses())
     assert analysis.from_initial_state is not None
     assert analysis.from_initial_state.seconds > 0.001
-    assert choose_proved_gain(analysis.setting, 0.001) is not None
+    assert choose_proved_gain(analysis.sampled_loop, 0.001) is not None
 
 
 def test_a_robot_that_may_turn_past_a_right_angle_fails_assumption_2(tmp_path: Path) -> None:
@@ -298,7 +298,7 @@ def test_eps_at_the_start_is_computed_from_the_tube_at_0(share: float) -> None:
     lower, upper = (np.array(v) for v in module["tube"](0.0))
     x = lower + share * (upper - lower)
     eps = np.abs(np.log((x - lower) / (upper - x)))
-    inside, outside = (Analysis(controller_of("omni_s2"), start=start.tolist()).setting.start for start in (x, upper + 0.001))
+    inside, outside = (Analysis(controller_of("omni_s2"), start=start.tolist()).sampled_loop.start for start in (x, upper + 0.001))
     assert inside == pytest.approx(eps, rel=1e-6, abs=1e-6)
     assert np.isinf(outside).all()
 
@@ -336,7 +336,7 @@ def test_errors_that_are_no_numbers_are_refused(value: str) -> None:
 def test_every_condition_names_a_lemma_that_is_proved() -> None:
     """Each statement as it is evaluated has a further lemma that compares it with those."""
     lemmas = {lemma.name: lemma for _, family in FAMILIES.values() for lemma in family}
-    loop = Analysis(controller_of("omni_s2")).setting
+    loop = Analysis(controller_of("omni_s2")).sampled_loop
     for name, statement in SAMPLING_CONDITIONS.items():
         for condition in statement.conditions(loop, 1.0, 1e-4):
             assert lemmas[condition.lemma].run().verdict is Verdict.PROVED

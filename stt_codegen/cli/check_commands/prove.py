@@ -114,4 +114,4 @@ def _prove_task(
     else:
         show_bounds(report)
         print(f"{path}: {_file_state(path, check, differs)}")
-    return report.good and not differs
+    return report.all_hypotheses_hold and not differs

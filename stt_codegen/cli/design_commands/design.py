@@ -43,7 +43,7 @@ def design(
             path = picture_path(picture, controller.task.name)
             refuse_to_overwrite_inputs([path], [task])
             draw(controller, path, [plane_named(controller.task, text) for text in axes or ()])
-            report = report.drawn(path)
+            report = report.with_picture(path)
     if json:
         print_json(report.document())
     else:
@@ -68,7 +68,7 @@ def _compare_tubes(task: Path, design: str | None, scalar: str | None, picture: 
             path = picture_path(picture, f"{report.task}-pareto")
             refuse_to_overwrite_inputs([path], [task])
             draw_trade(report, path)
-            report = report.drawn(path)
+            report = report.with_picture(path)
     if json:
         print_json(report.document())
     else:

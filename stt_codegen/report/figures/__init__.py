@@ -1,4 +1,4 @@
-"""What a command prints of more than a line, as data: frozen dataclasses with `document()`, for people and for --json."""
+"""What commands print, as frozen dataclasses: cli/show.py prints them for people, `document()` gives the data of --json."""
 
 from stt_codegen.report.figures.design_figures import DesignReport, clamp_input, design_report, input_report
 from stt_codegen.report.figures.trade import TradeReport, trade_report

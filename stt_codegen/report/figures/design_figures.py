@@ -1,5 +1,5 @@
-"""What a design is worth, as data: tube, certificate, what the law asks for, cost. The command line and the README print
-these."""
+"""The figures of a design, as data: tube, certificate, inputs, sampling and cost. `design`, `report` and the README print
+them."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ from stt_codegen.program import COST_KINDS
 from stt_codegen.program.analyse import cost_of, table_bytes
 from stt_codegen.program.targets.c.runner import STRICT, find_compiler
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.bounds import Sampling, above_float
+from stt_codegen.report.bounds import SamplingReport, round_up
 from stt_codegen.report.notes import task_notes
 
 
 @dataclass(frozen=True, kw_only=True)
 class CertifiedProperty:
-    """One finding of the certificate, in short: margin in the task's units."""
+    """One property of the certificate. margin: in the task's units or seconds; where: axis, set and time of the smallest
+    margin."""
 
     property: str
     title: str
@@ -36,19 +37,25 @@ class CertifiedProperty:
 
 
 @dataclass(frozen=True)
-class Input:
-    """What the law asks of actuator and clock. largest_u: |u| at the clamp where the tube is narrowest, None for an empty tube;
-    sampling: what is proved about the period for the plant of the task's [plant], None where the tube is not certified."""
+class InputReport:
+    """What the control law needs of actuators and clock.
+
+    largest_u: |u| at the clamp where the tube is narrowest, None for an empty tube. sampling: what is proved about periods for
+    any plant within [plant], None where the tube is not certified. tick_period: in seconds.
+    """
 
     largest_u: float | None
-    sampling: Sampling | None
+    sampling: SamplingReport | None
     u_max: tuple[float, ...]
     tick_period: float | None
 
 
 @dataclass(frozen=True)
-class Cost:
-    """Operations of one period by kind, bytes of tables, and bytes of code on this host at -Os (None without a compiler)."""
+class CostReport:
+    """What a step costs: operations by kind, bytes of tables, and of machine code on this host at -Os (None without compiler).
+
+    functions: those that are called at each step.
+    """
 
     functions: tuple[str, ...]
     operations: dict[str, int]
@@ -59,10 +66,12 @@ class Cost:
 
 @dataclass(frozen=True, kw_only=True)
 class DesignReport:
-    """The figures of one design in the task's units; seconds: how long the design took; picture: where it was drawn;
-    mission: when each of its entries is served; cycle: when, in seconds, what is repeated for ever begins and ends; notes: about
-    sets that are others than the listed points may suggest, and which way round, where axes close or might; start_left_out: by
-    axis how far gamma(0) stays inside the initial set."""
+    """The figures of one design in the task's units.
+
+    seconds: how long the design took. parameters: how many numbers fix the tube, in words. picture: path of its picture. mission:
+    when each entry is served. cycle: from and until when, in seconds, the tube repeats. notes: see report/notes.py.
+    start_left_out: by axis, how far gamma(0) is inside the initial set.
+    """
 
     task: str
     design: str
@@ -72,34 +81,34 @@ class DesignReport:
     prescribed_time: float
     parameters: str
     method: str
-    least_width: float
+    smallest_width: float
     speed_bound: tuple[float, ...]
     covers_initial_set: bool
     axes: tuple[str, ...]
     units: tuple[str, ...]
     properties: tuple[CertifiedProperty, ...]
-    input: Input
-    cost: Cost
+    input: InputReport
+    cost: CostReport
     picture: str | None = None
     mission: tuple[ServedEntry, ...] = ()
     cycle: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
     start_left_out: tuple[float, ...] = ()
 
-    def drawn(self, path: Path) -> DesignReport:
-        """The same report, naming the picture that was drawn."""
+    def with_picture(self, path: Path) -> DesignReport:
+        """Return the report with the path of its picture."""
         return replace(self, picture=str(path))
 
     def document(self) -> dict[str, Any]:
-        """The report as JSON data."""
-        data = asdict(self)
+        """Return the report as JSON data."""
+        data = {"least_width" if key == "smallest_width" else key: value for key, value in asdict(self).items()}
         sampling = self.input.sampling
         data["input"]["sampling"] = None if sampling is None else sampling.document()
         return {k: v for k, v in data.items() if v or k not in ("picture", "mission", "cycle", "notes")}
 
 
 def design_report(controller: EmittedController, seconds: float) -> DesignReport:
-    """The figures of one design."""
+    """Return the figures of a controller. seconds: how long its design took."""
     task, certificate, design = controller.task, controller.certificate, controller.design
     cycle = None if certificate.mission is None else certificate.mission.cycle
     properties = tuple(
@@ -122,7 +131,7 @@ def design_report(controller: EmittedController, seconds: float) -> DesignReport
         prescribed_time=float(task.prescribed_time),
         parameters=design.size,
         method=certificate.method,
-        least_width=float(certificate.minimum_width),
+        smallest_width=float(certificate.minimum_width),
         speed_bound=tuple(float(v) for v in certificate.speed),
         covers_initial_set=certificate.covers_initial_set,
         axes=task.axis_names,
@@ -135,18 +144,18 @@ def design_report(controller: EmittedController, seconds: float) -> DesignReport
         cycle=None if cycle is None else (float(cycle.begin), float(cycle.end)),
         notes=task_notes(task),
         start_left_out=tuple(
-            above_float(float(max(low - a, b - high, Fraction(0))))
+            round_up(float(max(low - a, b - high, Fraction(0))))
             for (low, high), a, b in zip(certificate.start, task.start.lower, task.start.upper, strict=True)
         ),
     )
 
 
-def input_report(controller: EmittedController) -> Input:
-    """What the law asks of actuator and clock."""
+def input_report(controller: EmittedController) -> InputReport:
+    """Return what the control law needs of actuators and clock."""
     task, certificate = controller.task, controller.certificate
     largest_u = clamp_input(controller)
-    return Input(
-        None if largest_u is None else above_float(largest_u),
+    return InputReport(
+        None if largest_u is None else round_up(largest_u),
         Analysis(controller).sampling() if certificate.holds else None,
         tuple(float(u) for u in task.u_max or ()),
         None if task.emit.tick_period is None else float(task.emit.tick_period),
@@ -154,26 +163,26 @@ def input_report(controller: EmittedController) -> Input:
 
 
 def clamp_input(controller: EmittedController) -> float | None:
-    """|u| at the clamp where the tube is narrowest; None for an empty tube."""
+    """Return the largest |u|, at the clamp where the tube is narrowest; None for an empty tube."""
     task, width = controller.task, float(controller.certificate.minimum_width)
     if width <= 0:
         return None
-    rounding = 1 + 2.0**-18  # more than the emitted law's own
+    rounding = 1 + 2.0**-18  # more than the rounding of the emitted law
     pairs = [(abs(float(k)), float(e)) for k, e in zip(task.gain, task.e_max, strict=True)]
     return max(4 * k / (width * (1 - e * e)) * math.log((1 + e) / (1 - e)) for k, e in pairs) * rounding
 
 
-def cost_report(controller: EmittedController) -> Cost:
-    """Operations of one period (`control`, and `alpha_step` where there is one), bytes of tables and code."""
+def cost_report(controller: EmittedController) -> CostReport:
+    """Count the operations of a step (`control`, and `alpha_step` where there is one), and the bytes of tables and code."""
     program = controller.program
-    step = tuple(f.name for f in program.functions if f.name in ("control", "alpha_step"))
-    counts = sum((cost_of(program, name) for name in step), Counter())
+    functions = tuple(f.name for f in program.functions if f.name in ("control", "alpha_step"))
+    counts = sum((cost_of(program, name) for name in functions), Counter())
     by_kind = {kind: counts[kind] for kind in COST_KINDS if counts[kind]}
-    return Cost(step, by_kind, sum(counts.values()), table_bytes(program), _code_bytes(controller))
+    return CostReport(functions, by_kind, sum(counts.values()), table_bytes(program), _code_bytes(controller))
 
 
 def _code_bytes(controller: EmittedController) -> int | None:
-    """Bytes of machine code of the whole C file on this host, or None without a compiler or `size`."""
+    """Return the bytes of machine code of the C file on this host, None without a compiler or `size`."""
     try:
         compiler = find_compiler()
         with tempfile.TemporaryDirectory() as folder:

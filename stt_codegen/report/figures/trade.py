@@ -1,4 +1,4 @@
-"""What a task's tubes trade: width against speed against the proved period, so that one can be preferred (tube.prefer)."""
+"""Compare the tubes of a task by width, speed and proved period, so that a user can choose tube.prefer (`design --pareto`)."""
 
 from __future__ import annotations
 
@@ -18,77 +18,90 @@ PREFERENCES = ("balanced", "slow", "wide", "period")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Trade:
-    """One tube, certified. Width (least over time and dimensions) and speed (most of an edge) in the task's units; period:
-    seconds between samples that are proved for the plant and the share of starts, with the gain (by component): the task's, or
-    where it leaves that open the one that makes it longest. None where none is proved. preferred: the values of tube.prefer
-    that give this tube."""
+class TubeTradeOff:
+    """One certified tube. Widths and speeds are in the task's units.
+
+    smallest_width: over time and dimensions; speed: the largest of any edge. period: the longest proved, in seconds, with
+    `gain` by component: the task's gain, or, if the task leaves it open, the one with the longest period; None where none is
+    proved. preferred: the values of tube.prefer that give this tube.
+    """
 
     segments: int | None
-    least_width: float
+    smallest_width: float
     speed: float
     period: float | None
     gain: tuple[float, ...] | None
     preferred: tuple[str, ...]
 
-    def beats(self, other: Trade) -> bool:
-        """No worse in width, speed and period, and better in one."""
-        mine, others = ((t.least_width, -t.speed, t.period or 0.0) for t in (self, other))
-        return mine != others and all(a >= b for a, b in zip(mine, others, strict=True))
+    def dominates(self, alternative: TubeTradeOff) -> bool:
+        """Return whether this tube is no worse in width, speed and period, and better in one."""
+        qualities, alternatives = ((t.smallest_width, -t.speed, t.period or 0.0) for t in (self, alternative))
+        return qualities != alternatives and all(a >= b for a, b in zip(qualities, alternatives, strict=True))
+
+    def document(self) -> dict[str, Any]:
+        """Return the tube as JSON data."""
+        return {"least_width" if key == "smallest_width" else key: value for key, value in asdict(self).items()}
 
 
 @dataclass(frozen=True)
 class TradeReport:
-    """The tubes of one task that none other beats, and those that a preference gives, the widest first."""
+    """The tubes of one task that no tube dominates, and those that a preference gives, the widest first."""
 
     task: str
     prescribed_time: float
-    tubes: tuple[Trade, ...]
+    tubes: tuple[TubeTradeOff, ...]
     picture: str | None = None
 
-    def drawn(self, path: Path) -> TradeReport:
-        """The same report, naming the picture that was drawn."""
+    def with_picture(self, path: Path) -> TradeReport:
+        """Return the report with the path of its picture."""
         return replace(self, picture=str(path))
 
     def document(self) -> dict[str, Any]:
-        """The report as JSON data."""
-        data = asdict(self)
+        """Return the report as JSON data."""
+        data = asdict(self) | {"tubes": [tube.document() for tube in self.tubes]}
         return data if self.picture is not None else {k: v for k, v in data.items() if k != "picture"}
 
 
 def trade_report(task: Task) -> TradeReport:
-    """Raises `BadInput` for designs that have no widths to choose from, `NotCertified` where there is no tube."""
+    """Design tubes of several widths, certify them, and keep those that no tube dominates or that a preference gives.
+
+    Raises `BadInput` for designs that have no widths to choose from, `NotCertified` where no tube is certified.
+    """
     if not task.tube.capabilities.offers_widths:
         kinds = kinds_offering("offers_widths")
         raise BadInput(f"--pareto: is for {kinds} tubes; the {task.tube.design} design has no widths to choose from")
-    found: dict[Design, list[str]] = {}
-    for prefer in PREFERENCES:
-        design = design_tube(task.changed(tube={"prefer": prefer}))
-        found.setdefault(design, []).append(prefer)
+    preferences_by_design: dict[Design, list[str]] = {}
+    for preference in PREFERENCES:
+        design = design_tube(task.changed(tube={"prefer": preference}))
+        preferences_by_design.setdefault(design, []).append(preference)
     for design in family(task):
-        found.setdefault(design, [])
+        preferences_by_design.setdefault(design, [])
     gain = None if task.has_automatic_gain else task.control.gain
-    free = task.changed(control={"gain": gain, "period": None})  # P9 would refuse tubes whose period is shorter
-    pairs = [(build_task(free, uncertified=True, tube=design), tuple(named)) for design, named in found.items()]
-    tubes = [_trade(controller, named) for controller, named in pairs if controller.certificate.holds]
+    without_period = task.changed(control={"gain": gain, "period": None})  # P9 would refuse tubes whose period is shorter
+    controllers = [
+        (build_task(without_period, uncertified=True, tube=design), tuple(preferred))
+        for design, preferred in preferences_by_design.items()
+    ]
+    tubes = [_trade_off(controller, preferred) for controller, preferred in controllers if controller.certificate.holds]
     if not tubes:
         raise NotCertified("--pareto: of the tubes that were found none is certified; see `stt-codegen design`")
-    kept = [t for t in tubes if t.preferred or not any(other.beats(t) for other in tubes)]
-    return TradeReport(task.name, float(task.prescribed_time), tuple(sorted(kept, key=lambda t: (-t.least_width, t.speed))))
+    undominated = [t for t in tubes if t.preferred or not any(alternative.dominates(t) for alternative in tubes)]
+    widest_first = tuple(sorted(undominated, key=lambda t: (-t.smallest_width, t.speed)))
+    return TradeReport(task.name, float(task.prescribed_time), widest_first)
 
 
-def _trade(controller: EmittedController, preferred: tuple[str, ...]) -> Trade:
-    certificate = controller.certificate
-    analysis = Analysis(controller)
+def _trade_off(controller: EmittedController, preferred: tuple[str, ...]) -> TubeTradeOff:
+    """Return the width and speed of a certified tube, and its longest proved period with the gain."""
+    certificate, analysis = controller.certificate, Analysis(controller)
     if controller.task.control.gain is None:
-        best = analysis.gains.longest
+        choice = analysis.gains.longest
     else:
-        best = None if analysis.period is None else (analysis.setting.law.gain, analysis.period)
-    return Trade(
+        choice = None if analysis.period is None else (analysis.sampled_loop.law.gain, analysis.period)
+    return TubeTradeOff(
         segments=controller.design.parts,
-        least_width=float(certificate.minimum_width),
+        smallest_width=float(certificate.minimum_width),
         speed=float(max(certificate.speed)),
-        period=None if best is None else best[1].seconds,
-        gain=None if best is None else tuple(best[0].tolist()),
+        period=None if choice is None else choice[1].seconds,
+        gain=None if choice is None else tuple(choice[0].tolist()),
         preferred=preferred,
     )

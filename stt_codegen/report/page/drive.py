@@ -24,7 +24,7 @@ from stt_codegen.pipeline import EmittedController, render_files
 from stt_codegen.pipeline import build_program as program_of
 from stt_codegen.plants import Model, Plant
 from stt_codegen.program.targets.template_files import template_folder
-from stt_codegen.report.bounds import ProvedPeriod, Sampling
+from stt_codegen.report.bounds import ProvedPeriod, SamplingReport
 from stt_codegen.report.figures import clamp_input
 from stt_codegen.task import Task
 
@@ -128,7 +128,9 @@ def _version() -> str:
     return told.partition("\n")[0].strip()
 
 
-def setting(controller: EmittedController, made: Driven, plant: Model, w_max: float, sampling: Sampling | None) -> dict[str, Any]:
+def setting(
+    controller: EmittedController, made: Driven, plant: Model, w_max: float, sampling: SamplingReport | None
+) -> dict[str, Any]:
     """What the page's loop needs: the module, sizes, and what is proved for |w| <= w_max: period, latency, noise, starts."""
     task = controller.task
     own = None if sampling is None else sampling.at_this_gain

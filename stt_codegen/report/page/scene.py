@@ -13,8 +13,8 @@ import numpy as np
 from stt_codegen.certify.missions import ServedEntry
 from stt_codegen.constraints import avoidances
 from stt_codegen.pipeline import EmittedController
-from stt_codegen.report.clearances import bands, distance, spans
-from stt_codegen.report.outlines import Array, Plane, outline, target_outline, walls
+from stt_codegen.report.clearances import distance, obstacle_bands, true_stretches
+from stt_codegen.report.outlines import Array, Plane, cut_off_outlines, outline, target_outline
 from stt_codegen.report.page.solids import solid
 from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet, Course, HalfSpace, Unsafe
@@ -50,7 +50,7 @@ def scene(controller: EmittedController, mission: tuple[ServedEntry, ...], cycle
         "units": list(task.units or ("",) * task.dimension),
         "planes": [list(p) for p in planes],
         "space": [_numbers(task.state_space.lower), _numbers(task.state_space.upper)],
-        "walls": {_key(p): [round_(v) for v in walls(task, p)] for p in planes},
+        "walls": {_key(p): [round_(v) for v in cut_off_outlines(task, p)] for p in planes},
         "room": _half_spaces([*task.free_space.faces, *task.space_cuts]),
         "start": [_numbers(task.start.lower), _numbers(task.start.upper)],
         "body": _numbers(task.half_extents),
@@ -90,7 +90,7 @@ def _near(task: Task, t: Array, low: Array, high: Array) -> dict[str, Any]:
     hit = [
         [one.name, float(t[a]), float(t[b]), sure]
         for one, own, sure in zip(rows, far, boxes, strict=True)
-        for a, b in spans(np.asarray(own < 0))
+        for a, b in true_stretches(np.asarray(own < 0))
     ]
     alike = len(set(task.units or ("",))) == 1
     which = far.argmin(axis=0)
@@ -102,11 +102,11 @@ def _near(task: Task, t: Array, low: Array, high: Array) -> dict[str, Any]:
 def _strip(task: Task, i: int, t: Array, low: Array, high: Array, round_: Rounding) -> list[dict[str, Any]]:
     """What the tube keeps off in a dimension: outlines over (t, x_i), `kept` where nothing else keeps them apart."""
     found = []
-    for band in bands(task, i, t, low, high):
+    for band in obstacle_bands(task, i, t, low, high):
         still = band.lower.min() == band.lower.max() and band.upper.min() == band.upper.max()
-        shown = [(True, band.kept), *([] if still and band.may.all() else [(False, band.may)])]
+        shown = [(True, band.is_separated_here), *([] if still and band.is_active.all() else [(False, band.is_active)])]
         for kept, where in shown:
-            for a, b in spans(where):
+            for a, b in true_stretches(where):
                 if b > a:
                     some = np.array([a, b]) if still else np.unique(np.linspace(a, b, min(b - a + 1, 60)).astype(int))
                     edge = np.column_stack([t[some], band.upper[some]]), np.column_stack([t[some], band.lower[some]])[::-1]

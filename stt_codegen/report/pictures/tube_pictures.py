@@ -19,9 +19,9 @@ from stt_codegen.certify.missions import served_entries
 from stt_codegen.constraints import avoidances
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
-from stt_codegen.report.clearances import bands, distance
+from stt_codegen.report.clearances import distance, obstacle_bands
 from stt_codegen.report.figures import TradeReport
-from stt_codegen.report.outlines import Plane, hull_of, target_outline, walls
+from stt_codegen.report.outlines import Plane, cut_off_outlines, hull_of, target_outline
 from stt_codegen.report.pictures.drawing import COLOURS, LABEL, frame, label, named, patch
 from stt_codegen.report.pictures.motion_pictures import draw_faint, draw_times, moves
 from stt_codegen.task import Task
@@ -141,7 +141,7 @@ def draw_beside(controllers: list[EmittedController], titles: list[str], path: P
 def draw_trade(report: TradeReport, path: Path) -> None:
     """Save one picture: least width against peak speed, and against the longest proved period, a mark for every tube."""
     figure = Figure(figsize=(9, 3.8), layout="constrained")
-    wide, periods = [t.least_width for t in report.tubes], [1e3 * (t.period or 0.0) for t in report.tubes]
+    wide, periods = [t.smallest_width for t in report.tubes], [1e3 * (t.period or 0.0) for t in report.tubes]
     shown = (([t.speed for t in report.tubes], "peak speed of an edge"), (periods, "longest proved period [ms]"))
     for axis, (values, told) in zip(figure.subplots(1, 2), shown, strict=True):
         axis.plot(wide, values, "o-", color=COLOURS["tube"], linewidth=1, markersize=5)
@@ -253,7 +253,7 @@ def _visits(axis: Any, controller: EmittedController, low: Array, high: Array, p
 
 def _walls(axis: Any, task: Task, plane: Plane) -> None:
     """What cuts the state space, grey beyond it."""
-    for corners in walls(task, plane):
+    for corners in cut_off_outlines(task, plane):
         axis.add_patch(Polygon(corners, closed=True, color="0.8", linewidth=0))
 
 
@@ -283,9 +283,9 @@ def draw_dimension(axis: Any, controller: EmittedController, i: int, t: Array, l
     task = controller.task
     axis.fill_between(t, low[:, i], high[:, i], color=COLOURS["tube"], alpha=0.35, linewidth=0)
     axis.plot(t, low[:, i], t, high[:, i], color=COLOURS["tube"], linewidth=1)
-    for band in bands(task, i, t, low, high):
-        moving = band.lower.min() < band.lower.max() or not band.may.all()
-        for alpha, where in ((0.12, band.may & moving), (0.6, band.kept)):
+    for band in obstacle_bands(task, i, t, low, high):
+        moving = band.lower.min() < band.lower.max() or not band.is_active.all()
+        for alpha, where in ((0.12, band.is_active & moving), (0.6, band.is_separated_here)):
             axis.fill_between(t, band.lower, band.upper, where=where, color=COLOURS["unsafe"], alpha=alpha, linewidth=0)
     end = float(task.prescribed_time)
     if task.target_set is not None:
