@@ -54,8 +54,6 @@ PENDING = """
     stt_codegen/compare
     stt_codegen/controller
     stt_codegen/emit
-    stt_codegen/lemmas/paper/conflict.py
-    stt_codegen/lemmas/sampling/sampled_windows.py
     stt_codegen/loop
     stt_codegen/program
     stt_codegen/report

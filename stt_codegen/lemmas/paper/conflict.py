@@ -251,7 +251,10 @@ def _refute_from_rho() -> Outcome:
     evidence += f"; with x2 above A, beta_L = {float(beta_L):g} is within C's {_text(c[1])} meanwhile"
     arena = f"A = {_text(*a)}, C = {_text(*c)}, dB = {float(OVERSHOOT):g}"
     return refute_by_counterexample(
-        "a tube kept off the sets that rho meets is off all", arena, passes_above and beta_enters_c and not rho_meets_c, evidence
+        "a tube that stays clear of the sets that rho meets stays clear of all",
+        arena,
+        passes_above and beta_enters_c and not rho_meets_c,
+        evidence,
     )
 
 

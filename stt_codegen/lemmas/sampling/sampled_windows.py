@@ -256,7 +256,7 @@ def _prove_setting() -> Outcome:
             setting = _check_bounds(checks, windows, law, power)
             _check_copies(checks, setting)
     return outcome_of_cases(
-        checks.count, checks.failures, "what the statements are told is on the safe side, by 1e-9 of it at most"
+        checks.count, checks.failures, "what the sampling conditions use is on the safe side, by 1e-9 of it at most"
     )
 
 
