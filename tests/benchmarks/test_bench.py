@@ -1,4 +1,4 @@
-"""The arenas benchmark: the same results wherever it runs, sums that agree, arenas as they are described."""
+"""The benchmark of arenas: the same results wherever it runs, sums that are right, arenas as described, tables and options."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from tests.support.controllers import ROOT
 JOBS = [Job("paper", seed, "refined") for seed in (0, 25, 3)] + [Job("space3", 1, "refined"), Job("paper", 1, "adaptive")]
 
 
-def timeless(results: list[Result]) -> list[str]:
-    """Results without their times, in the order of the jobs; NaNs compare equal as text."""
+def without_times(results: list[Result]) -> list[str]:
+    """Return results without their times, as text and in order; as text NaNs compare equal."""
     plain = [dataclasses.replace(r, design_seconds=0.0, certificate_seconds=0.0) for r in results]
     return sorted(repr(r) for r in plain)
 
@@ -31,41 +31,41 @@ def timeless(results: list[Result]) -> list[str]:
 @pytest.mark.slow
 def test_processes_and_a_cluster_of_two_workers_give_the_same_results() -> None:
     distributed = pytest.importorskip("distributed", reason="pip install stt-codegen[cluster]")
-    here = timeless(list(spread(run, JOBS, 1, None)))
-    assert timeless(list(spread(run, JOBS, 2, None))) == here
+    expected = without_times(list(spread(run, JOBS, 1, None)))
+    assert without_times(list(spread(run, JOBS, 2, None))) == expected
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
-        assert timeless(list(spread(run, JOBS, 1, cluster.scheduler_address))) == here
+        assert without_times(list(spread(run, JOBS, 1, cluster.scheduler_address))) == expected
 
 
 @pytest.mark.slow
-def test_a_scheduler_that_is_not_there_is_one_message() -> None:
+def test_a_missing_scheduler_is_reported_with_one_message() -> None:
     with pytest.raises(BadInput, match="no Dask scheduler answers there"):
         list(spread(run, JOBS[:1], 1, "127.0.0.1:9"))
 
 
-def test_a_result_says_what_is_not_certified_and_why() -> None:
+def test_a_result_says_why_an_arena_is_not_certified() -> None:
     blocked, good = run(Job("paper", 25, "refined")), run(Job("paper", 0, "refined"))
     assert not blocked.certified
     assert not blocked.feasible
     assert "min_width" in blocked.reason
     assert good.certified
     assert not good.reason
-    # the slowest tube is no faster than the shipped one, and neither is below what geometry allows but for the target's inset
+    # The slowest tube is no faster than the shipped one; 0.95 is nearly the smallest speed that the geometry allows.
     assert 0.95 <= good.slowest <= good.speed * 1.0001
     literal = run(Job("paper", 0, "literal"))
     assert not literal.certified
     assert {"P4", "P5"} <= set(literal.broken)
 
 
-def test_a_summary_counts_what_is_there() -> None:
+def test_a_summary_counts_arenas_by_their_result() -> None:
     results = [run(Job("paper", seed, "refined")) for seed in (24, 25, 26)]
-    s = summary(results)
-    assert (s.arenas, s.feasible, s.certified, s.certified_of_feasible) == (3, 2, 2, 2)
-    assert s.missed == ()
-    assert s.design_ms[0] == np.median([1e3 * r.design_seconds for r in results])
+    counts = summary(results)
+    assert (counts.arenas, counts.feasible, counts.certified, counts.certified_of_feasible) == (3, 2, 2, 2)
+    assert counts.missed == ()
+    assert counts.design_ms[0] == np.median([1e3 * r.design_seconds for r in results])
 
 
-def test_the_plan_has_every_family_and_the_stretch() -> None:
+def test_the_full_plan_has_every_family_and_arenas_with_less_clearance() -> None:
     assert {p.family for p in EVERYTHING} == set(FAMILIES)
     assert Part("paper", "refined", 500, 0.02, 0.04) in parts_of(Arenas())
     assert parts_of(Arenas(["dense12"], ["refined"], 7)) == [Part("dense12", "refined", 7)]
@@ -73,7 +73,7 @@ def test_the_plan_has_every_family_and_the_stretch() -> None:
         parts_of(Arenas(["moon"]))
 
 
-def test_a_corridor_has_slabs_one_behind_the_other_and_always_a_way() -> None:
+def test_a_corridor_has_slabs_one_after_the_other_and_always_a_route() -> None:
     family = dataclasses.replace(FAMILIES["corridor"], count=40, length=24.0)
     for seed in range(5):
         boxes = cubes(family, seed)
@@ -113,11 +113,11 @@ def test_sections_are_replaced_and_columns_aligned(tmp_path) -> None:
     assert len({len(line) for line in lines}) == 1
 
 
-@pytest.mark.parametrize("given", [("arenas", "--policies", "x"), ("loop", "--policies", "x"), ("missions", "--limit", "1")])
-def test_an_option_of_the_peers_is_refused_without_them(given: tuple[str, ...]) -> None:
-    result = CliRunner().invoke(suites, [*given])
+@pytest.mark.parametrize("arguments", [("arenas", "--policies", "x"), ("loop", "--policies", "x"), ("missions", "--limit", "1")])
+def test_an_option_of_the_peers_is_refused_without_them(arguments: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(suites, [*arguments])
     assert isinstance(result.exception, BadInput)
-    assert f"{given[1]}: is for --peers" in str(result.exception)
+    assert f"{arguments[1]}: is for --peers" in str(result.exception)
 
 
 def test_benchmarks_are_listed_and_asking_for_help_runs_none() -> None:
@@ -125,14 +125,14 @@ def test_benchmarks_are_listed_and_asking_for_help_runs_none() -> None:
         command = [sys.executable, "-m", "benchmarks", *arguments]
         return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=60)
 
-    listed = run()
-    assert listed.returncode == 0
-    names = {line for line in listed.stdout.splitlines() if not line.startswith(" ")}
+    listing = run()
+    assert listing.returncode == 0
+    names = {line for line in listing.stdout.splitlines() if not line.startswith(" ")}
     assert {"arenas", "mcu", "mutations", "tubes", "integration"} <= names
     assert not names & {"command_line", "bodies", "__init__"}
     unknown = run("nothing")
     assert (unknown.returncode, unknown.stderr) == (2, "benchmarks: nothing is none of these\n")
-    assert set(unknown.stdout.splitlines()) == set(listed.stdout.splitlines())
+    assert set(unknown.stdout.splitlines()) == set(listing.stdout.splitlines())
     for name in ("ends", "lemma_mutants"):  # without a parser of their own
-        helped = run(name, "--help")
-        assert (helped.returncode, f"python -m benchmarks {name}" in helped.stdout) == (0, True)
+        help_output = run(name, "--help")
+        assert (help_output.returncode, f"python -m benchmarks {name}" in help_output.stdout) == (0, True)

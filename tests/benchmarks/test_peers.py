@@ -1,4 +1,5 @@
-"""The peers of the benchmark: their paths are safe, their answers agree with the exact ones, and a missing one says so."""
+"""The peers of the benchmarks: planners whose paths are safe, and a cascade of two stages for plants of order 2. A missing peer
+says what to install."""
 
 from __future__ import annotations
 
@@ -29,12 +30,12 @@ from tests.support.missing_tools import skip_without
 
 PAPER = FAMILIES["paper"]
 OPEN = [s for s in range(40) if feasible(PAPER, s, 0.15)]
-BLOCKED = [s for s in range(500) if not feasible(PAPER, s, 0.01)]  # the widest way is below half a cell of the grids
+BLOCKED = [s for s in range(500) if not feasible(PAPER, s, 0.01)]  # the widest route is narrower than half a cell of the grids
 PLANNERS = {"ompl": (peers.rrt_connect, peers.rrt_star), "pyastar2d": (peers.a_star,)}
 
 
 def needs(*names: str) -> None:
-    """A visible skip without a peer, a failure in CI, where `make test` installs them."""
+    """Skip the test where a peer is not installed; in CI, where `make test` installs them, fail it."""
     for name in names:
         if name == "gcc" and not (shutil.which("gcc") or shutil.which("cc")):
             skip_without("gcc is not installed")
@@ -43,7 +44,8 @@ def needs(*names: str) -> None:
 
 
 def planners():
-    return [pytest.param(module, planner, id=planner.__name__) for module, own in PLANNERS.items() for planner in own]
+    """Return parameters (module, planner) for every planner."""
+    return [pytest.param(module, planner, id=planner.__name__) for module, several in PLANNERS.items() for planner in several]
 
 
 @pytest.mark.parametrize(("module", "planner"), planners())
@@ -54,31 +56,31 @@ def test_a_path_is_free_of_collision(module, planner) -> None:
         path = planner(PAPER, boxes)
         assert path is not None
         assert peers.path_is_safe(PAPER, boxes, path)
-        # Once more by points along it, apart from the exact check.
+        # Points along the path check the same without the exact check.
         points = np.concatenate([np.linspace(p, q, 200) for p, q in pairwise(path)])
         assert not any(np.any(np.all((box[:, 0] < points) & (points < box[:, 1]), axis=1)) for box in boxes)
 
 
-def test_the_exact_check_refuses_what_is_not_safe() -> None:
+def test_the_exact_check_refuses_unsafe_paths() -> None:
     box = np.array([[[2.0, 3.0], [2.0, 3.0]]])
     start, goal = (0.25, 0.25), (4.75, 4.75)
 
-    def safe(*between):
+    def is_safe(*between):
         return peers.path_is_safe(PAPER, box, np.array([start, *between, goal]))
 
-    assert safe((2.0, 3.0))  # along the edge and by the corner: the unsafe box is open
-    assert safe((1.0, 4.0))
-    assert not safe()
-    assert not safe((2.0, 3.0 - 2.0**-50))  # clips the corner by less than a sample would see
-    assert not safe((2.5, 2.5), (2.5, 2.5))
-    assert not safe((-0.1, 5.0))  # leaves the state space
+    assert is_safe((2.0, 3.0))  # along the edge and through the corner: the unsafe box is open
+    assert is_safe((1.0, 4.0))
+    assert not is_safe()
+    assert not is_safe((2.0, 3.0 - 2.0**-50))  # it cuts the corner by less than a sample would show
+    assert not is_safe((2.5, 2.5), (2.5, 2.5))
+    assert not is_safe((-0.1, 5.0))  # leaves the state space
     assert not peers.path_is_safe(PAPER, box, np.array([start, (1.0, 4.0)]))
     assert not peers.path_is_safe(PAPER, box, np.array([(1.0, 4.0), goal]))
 
 
-def test_a_star_finds_a_path_where_and_only_where_there_is_one() -> None:
+def test_a_star_has_a_path_exactly_where_one_exists() -> None:
     needs("pyastar2d")
-    narrow = (32, 98, 124, 158)  # the way closes at a reach between 0.06 and 0.15
+    narrow = (32, 98, 124, 158)  # the route closes at a clearance between 0.06 and 0.15
     for seed in (*OPEN, *narrow, *BLOCKED):
         outcome = peers.plan(peers.a_star, PAPER, seed)
         assert outcome.success == feasible(PAPER, seed, 0.06), seed
@@ -86,26 +88,26 @@ def test_a_star_finds_a_path_where_and_only_where_there_is_one() -> None:
 
 
 @pytest.mark.parametrize("planner", PLANNERS["ompl"], ids=lambda p: p.__name__)
-def test_a_random_path_does_not_depend_on_the_problems_before(planner) -> None:
+def test_a_random_path_does_not_depend_on_earlier_problems(planner) -> None:
     needs("ompl")
     first = [planner(PAPER, cubes(PAPER, seed)) for seed in OPEN[:4]]
     again = [planner(PAPER, cubes(PAPER, seed)) for seed in reversed(OPEN[:4])]
     assert all(np.array_equal(p, q) for p, q in zip(first, reversed(again), strict=True))
 
 
-def test_the_reach_avoid_tube_holds_the_start_where_and_only_where_the_target_can_be_reached() -> None:
+def test_the_reach_avoid_tube_contains_the_start_exactly_where_the_target_can_be_reached() -> None:
     needs("hj_reachability")
     assert peers.reach_avoid_tube(PAPER, OPEN[0]).success
     assert not peers.reach_avoid_tube(PAPER, BLOCKED[0]).success
 
 
-def test_the_filter_never_collides_and_our_step_is_quicker_and_arrives() -> None:
+def test_the_barrier_filter_never_collides_and_our_step_is_faster_and_arrives() -> None:
     needs("osqp", "scipy", "gcc")
     numbers = barrier.step_times([BLOCKED[0], *OPEN[:4]])
     assert (numbers["arenas"], numbers["certified"]) == (5, 4)
     assert numbers["cbf_collides"] == numbers["own_collides"] == 0.0
     assert numbers["own_reaches"] == 1.0
-    assert 0 < numbers["cbf_reaches"] <= 0.8  # none arrives where there is no way
+    assert 0 < numbers["cbf_reaches"] <= 0.8  # none arrives without a route
     assert numbers["ratio"] > 1
 
 
@@ -115,7 +117,7 @@ def test_our_step_arrives_in_narrow_tubes_when_it_is_called_often_enough() -> No
     assert (numbers["own_reaches"], numbers["own_collides"]) == (1.0, 0.0)
 
 
-def test_the_filter_serves_other_families() -> None:
+def test_the_barrier_filter_works_in_three_dimensions() -> None:
     needs("osqp", "scipy", "gcc")
     assert not barrier.closed_loops(FAMILIES["space3"], 0)["cbf"].collided
 
@@ -132,15 +134,15 @@ def test_a_missing_package_says_what_to_install(name, monkeypatch) -> None:
     monkeypatch.setattr(importlib, "import_module", without)
     for cached in (peers._ompl, peers._warm, peers._reach_avoid_solver, barrier._filter_solver):
         cached.cache_clear()
-    asked = {"ompl": 0, "pyastar2d": 2, "hj_reachability": 3, "osqp": 4}[name]
-    with pytest.raises(MissingTool) as caught:
-        peers.PEERS[asked].run(PAPER, 0)
-    assert name in str(caught.value)
-    assert str(caught.value).endswith("pip install stt-codegen[peers]")
-    assert "\n" not in str(caught.value)
+    index = {"ompl": 0, "pyastar2d": 2, "hj_reachability": 3, "osqp": 4}[name]
+    with pytest.raises(MissingTool) as refusal:
+        peers.PEERS[index].run(PAPER, 0)
+    assert name in str(refusal.value)
+    assert str(refusal.value).endswith("pip install stt-codegen[peers]")
+    assert "\n" not in str(refusal.value)
 
 
-def test_peers_can_be_sent_to_workers_and_importing_them_imports_none() -> None:
+def test_peers_can_be_pickled_and_importing_their_module_imports_no_library() -> None:
     for peer in peers.PEERS:
         assert pickle.loads(pickle.dumps(peer)).name == peer.name
     code = "import sys, benchmarks.peers.in_arenas; print(set(sys.modules) & {'ompl', 'pyastar2d', 'jax', 'osqp', 'scipy'})"
@@ -162,97 +164,102 @@ CASCADES = [(tube, forward, share) for tube in cascade.TUBES for forward in (Tru
 
 @cache
 def tube_of(name):
+    """Return our controller of order 2 for an example task, with disturbances up to W_MAX."""
     return inertial(name, W_MAX)
 
 
 @cache
-def found_for(name, forward, share):
-    found = cascade.cascade(tube_of(name), forward, share)
-    assert found is not None
-    return found
+def proved_cascade(name, forward, share):
+    """Return the cascade with its longest proved period; forward: with feed-forward of the centre's motion; share: of the start."""
+    proved = cascade.cascade(tube_of(name), forward, share)
+    assert proved is not None
+    return proved
 
 
-def at_states(name, found, side=None):
-    """Times, and states there with |eps1| < E1 and |v - v_ref| < rho, drawn; at E1 and rho where a side is given. What is asked at
-    every one of them: the window, v_ref, and the rates of v_ref and eps1 along the state, by differences."""
-    design, draw, n, h = tube_of(name).design, np.random.default_rng(5), len(found.reach), 1e-6
+def rates_at_states(name, proved, side=None):
+    """Yield (window, rate of v_ref, rate of eps1) at random times and states, by differences along the state's motion.
+
+    The states have |eps1| < E1 and |v - v_ref| < rho; with a side (1 or -1) they are at these bounds on that side."""
+    design, draw, n, h = tube_of(name).design, np.random.default_rng(5), len(proved.reach), 1e-6
     t_c = float(design.prescribed_time)
     for t in draw.uniform(2 * h, t_c - 2 * h, 300).tolist():
-        before, now, after = edges_at(design, np.array([t - h, t, t + h]))
+        edges_before, edges_now, edges_after = edges_at(design, np.array([t - h, t, t + h]))
         share = draw.choice((-0.999, 0.999), n) if side is None else side
-        stray = draw.choice((-0.999, 0.999), n) if side is None else side
-        x = now.middle + np.tanh(found.reach * share / 2) * (now.upper - now.lower) / 2
-        v = found.law.wanted(now, x) + found.law.rho * stray
-        turn = (found.law.wanted(after, x + h * v) - found.law.wanted(before, x - h * v)) / (2 * h)
-        eps = [np.log((y - at.lower) / (at.upper - y)) for at, y in ((after, x + h * v), (before, x - h * v))]
-        yield int(t / t_c * design.segments), turn, (eps[0] - eps[1]) / (2 * h)
+        velocity_share = draw.choice((-0.999, 0.999), n) if side is None else side
+        x = edges_now.middle + np.tanh(proved.reach * share / 2) * (edges_now.upper - edges_now.lower) / 2
+        v = proved.law.wanted(edges_now, x) + proved.law.rho * velocity_share
+        v_ref_rate = (proved.law.wanted(edges_after, x + h * v) - proved.law.wanted(edges_before, x - h * v)) / (2 * h)
+        eps = [
+            np.log((y - edges.lower) / (edges.upper - y)) for edges, y in ((edges_after, x + h * v), (edges_before, x - h * v))
+        ]
+        yield int(t / t_c * design.segments), v_ref_rate, (eps[0] - eps[1]) / (2 * h)
 
 
 @pytest.mark.parametrize(("name", "forward", "share"), CASCADES)
-def test_v_ref_moves_no_faster_than_is_stated(name, forward, share) -> None:
-    found = found_for(name, forward, share)
-    bound = Stage.of(tube_of(name).design, forward).rate(found.law.k1, found.reach, found.law.rho)
-    shares = np.array([np.abs(turn) / bound[window] for window, turn, _ in at_states(name, found)])
+def test_v_ref_changes_no_faster_than_its_bound(name, forward, share) -> None:
+    proved = proved_cascade(name, forward, share)
+    bound = Stage.of(tube_of(name).design, forward).rate(proved.law.k1, proved.reach, proved.law.rho)
+    shares = np.array([np.abs(turn) / bound[window] for window, turn, _ in rates_at_states(name, proved)])
     assert shares.max() <= 1
-    assert shares.max() > 0.5  # of which it says something
+    assert shares.max() > 0.5  # the bound is not far above
 
 
 @pytest.mark.parametrize(("name", "forward", "share"), CASCADES)
-def test_the_first_stage_turns_at_its_edge_and_half_its_gain_does_not(name, forward, share) -> None:
-    found = found_for(name, forward, share)
-    half = replace(found, law=replace(found.law, k1=found.law.k1 / 2))
+def test_the_first_stage_moves_inward_at_its_bound_and_half_its_gain_does_not(name, forward, share) -> None:
+    proved = proved_cascade(name, forward, share)
+    half = replace(proved, law=replace(proved.law, k1=proved.law.k1 / 2))
     for side in (1.0, -1.0):
-        assert all((side * rate < 0).all() for _, _, rate in at_states(name, found, side))
-        assert any((side * rate > 0).any() for _, _, rate in at_states(name, half, side))
+        assert all((side * rate < 0).all() for _, _, rate in rates_at_states(name, proved, side))
+        assert any((side * rate > 0).any() for _, _, rate in rates_at_states(name, half, side))
 
 
 @pytest.mark.parametrize(("name", "forward", "share"), CASCADES)
-def test_a_shorter_period_is_never_harder_and_the_one_found_is_the_longest(name, forward, share) -> None:
-    found = found_for(name, forward, share)
-    reaches = np.geomspace(found.setting.start.max() * 1.001, cascade.FARTHEST, 60)
-    times = found.seconds * np.array([0.01, 0.2, 0.5, 0.9, 0.999, 1.05, 1.3])
+def test_shorter_periods_are_proved_too_and_the_period_is_the_longest(name, forward, share) -> None:
+    proved = proved_cascade(name, forward, share)
+    reaches = np.geomspace(proved.setting.start.max() * 1.001, cascade.FARTHEST, 60)
+    times = proved.seconds * np.array([0.01, 0.2, 0.5, 0.9, 0.999, 1.05, 1.3])
 
     def conditions(reach, tau):
         with np.errstate(invalid="ignore"):
-            return np.concatenate([c.values.ravel() for c in sharp(found.setting, np.full(len(found.u), reach), tau)])
+            return np.concatenate([c.values.ravel() for c in sharp(proved.setting, np.full(len(proved.u), reach), tau)])
 
     values = np.array([[conditions(reach, tau) for tau in times] for reach in reaches])
-    good = (values > 0).all(axis=2)
-    assert (good[:, 1:] <= good[:, :-1]).all()
-    assert good.any(axis=0).tolist() == [True] * 5 + [False] * 2
-    kept = values[good.nonzero()[0][0], :5]
-    assert (np.diff(kept, axis=0) <= 1e-12 * np.abs(kept[:-1])).all()
+    is_proved = (values > 0).all(axis=2)
+    assert (is_proved[:, 1:] <= is_proved[:, :-1]).all()
+    assert is_proved.any(axis=0).tolist() == [True] * 5 + [False] * 2
+    slacks = values[is_proved.nonzero()[0][0], :5]
+    assert (np.diff(slacks, axis=0) <= 1e-12 * np.abs(slacks[:-1])).all()
 
 
-def test_what_is_asked_grows_with_reach_width_and_gain() -> None:
+def test_the_rate_of_v_ref_grows_with_reach_width_and_gain() -> None:
     for forward in (True, False):
         stage = Stage.of(tube_of("omni_s2").design, forward)
-        own = tuple(np.full(2, v) for v in (0.05, 1.0, 0.2))  # k1, E1, rho
+        values = tuple(np.full(2, v) for v in (0.05, 1.0, 0.2))  # k1, E1, rho
         for k in range(3):
-            more = tuple(v * 1.1 if j == k else v for j, v in enumerate(own))
-            assert (stage.rate(*more) > stage.rate(*own)).all()
-        assert (stage.least_gain(own[1], 2 * own[2]) > stage.least_gain(own[1], own[2])).all()
-        assert (stage.least_gain(2 * own[1], own[2]) < stage.least_gain(own[1], own[2])).all()
+            larger = tuple(v * 1.1 if j == k else v for j, v in enumerate(values))
+            assert (stage.rate(*larger) > stage.rate(*values)).all()
+        assert (stage.least_gain(values[1], 2 * values[2]) > stage.least_gain(values[1], values[2])).all()
+        assert (stage.least_gain(2 * values[1], values[2]) < stage.least_gain(values[1], values[2])).all()
 
 
 @pytest.mark.parametrize(
     ("name", "forward", "share"), [("omni_s2", True, 0.05), ("spacecraft", True, 0.9), ("spacecraft", False, 0.05)]
 )
-def test_the_cascade_keeps_its_tube_at_its_period_and_not_far_beyond(name, forward, share) -> None:
-    found, design = found_for(name, forward, share), tube_of(name).design
+def test_the_cascade_stays_in_its_tube_at_its_period_and_not_at_20_times_it(name, forward, share) -> None:
+    proved, design = proved_cascade(name, forward, share), tube_of(name).design
     begin = share * np.array([[0.0], [1.0], [-1.0]]) * np.ones(design.dimension)
-    for part in (0.2, 1):
-        seen = drive(design, found.law, found.seconds * part, W_MAX, begin)
-        assert seen.held.max() < 1  # |v - v_ref| < rho
-        assert seen.margin.min() > (1 - np.tanh(found.reach.max() / 2)) / 2  # |eps1| < E1
-        assert (seen.u.max() <= max(found.u)).all()
-    assert drive(design, found.law, found.seconds * 20, W_MAX, begin).margin.max() <= 0
-    weak = replace(found.law, u_max=np.full(design.dimension, 0.9 * W_MAX))  # w outdoes it
-    assert drive(design, weak, found.seconds, W_MAX, begin).margin.min() <= 0
+    for share_of_period in (0.2, 1):
+        run = drive(design, proved.law, proved.seconds * share_of_period, W_MAX, begin)
+        assert run.held.max() < 1  # |v - v_ref| < rho
+        assert run.margin.min() > (1 - np.tanh(proved.reach.max() / 2)) / 2  # |eps1| < E1
+        assert (run.u.max() <= max(proved.u)).all()
+    assert drive(design, proved.law, proved.seconds * 20, W_MAX, begin).margin.max() <= 0
+    weak = replace(proved.law, u_max=np.full(design.dimension, 0.9 * W_MAX))  # w exceeds it
+    assert drive(design, weak, proved.seconds, W_MAX, begin).margin.min() <= 0
 
 
-def test_the_laws_are_those_that_they_are_said_to_be() -> None:
-    """The clamped xi eps is the reference's, and ours what is emitted."""
+def test_the_laws_of_the_comparison_are_those_of_reference_and_emitted_code() -> None:
+    """The clamped xi eps is that of the reference; our law is that of the emitted code."""
     draw = np.random.default_rng(1)
     low, high, x = np.zeros(2), np.array([0.3, 2.0]), draw.uniform(-0.5, 2.5, (400, 2))
     _, eps, xi = transform(low, high, x, (E_MAX, E_MAX))
@@ -262,27 +269,27 @@ def test_the_laws_are_those_that_they_are_said_to_be() -> None:
     values = tuple(tuple(map(Fraction, v)) for v in limits.values())
     law = Filtered(np.array([float(v) for v in emitted.design.filter]), *values)
     for t in (0.0, 2.3, 7.7):
-        (at,) = edges_at(emitted.design, np.array([t]))
-        x = at.middle + draw.uniform(-0.3, 0.3, (200, 2))
+        (edges,) = edges_at(emitted.design, np.array([t]))
+        x = edges.middle + draw.uniform(-0.3, 0.3, (200, 2))
         v = draw.uniform(-0.6, 0.6, (200, 2))
-        u, held = law(at, x, v)
-        status, wanted = emitted.control(np.full(200, t), x, v)
-        np.testing.assert_allclose(u, wanted, rtol=1e-6, atol=1e-9)
-        inside = ((at.lower < x) & (x < at.upper)).all(axis=1) & (np.abs(held).max(axis=1) < 1)
-        assert (inside == (status == 0)).all()
-        assert inside.any()
+        u, errors = law(edges, x, v)
+        status, emitted_u = emitted.control(np.full(200, t), x, v)
+        np.testing.assert_allclose(u, emitted_u, rtol=1e-6, atol=1e-9)
+        is_inside = ((edges.lower < x) & (x < edges.upper)).all(axis=1) & (np.abs(errors).max(axis=1) < 1)
+        assert (is_inside == (status == 0)).all()
+        assert is_inside.any()
 
 
-def test_ours_is_proved_for_longer_than_a_cascade_and_the_table_says_so(monkeypatch) -> None:
+def test_our_proved_period_is_longer_than_that_of_a_cascade_in_the_table(monkeypatch) -> None:
     monkeypatch.setattr(cascade, "PERIODS", (40, 500))
-    rows, lines, kept = cascade.compare(W_MAX, 1)
-    assert kept
+    rows, lines, all_inside = cascade.compare(W_MAX, 1)
+    assert all_inside
     assert len(rows) == len(cascade.TUBES) * (1 + 2 * len(cascade.SHARES))
     assert all(len(row) == len(cascade.HEADINGS) for row in rows)
     for tube in cascade.TUBES:
-        ours, *others = (float(row[3]) for row in rows if row[0] == tube)
-        assert ours > max(others)
-        assert others[0] > others[2]  # c' fed forward, and plain
+        our_period, *cascade_periods = (float(row[3]) for row in rows if row[0] == tube)
+        assert our_period > max(cascade_periods)
+        assert cascade_periods[0] > cascade_periods[2]  # with feed-forward, and without
     assert "doubles" in lines[0]
     monkeypatch.setattr(cascade, "folder", lambda: Path("nowhere"))
     rows, lines, _ = cascade.compare(W_MAX, 1)
@@ -291,12 +298,12 @@ def test_ours_is_proved_for_longer_than_a_cascade_and_the_table_says_so(monkeypa
 
 
 @pytest.mark.slow
-def test_a_loop_of_ours_that_leaves_below_its_period_is_told() -> None:
-    ours = cascade.filtered(tube_of("spacecraft"))
-    assert ours is not None
+def test_a_loop_that_leaves_below_its_proved_period_is_reported() -> None:
+    proved = cascade.filtered(tube_of("spacecraft"))
+    assert proved is not None
     design = tube_of("spacecraft").design
-    good = cascade.measured("spacecraft", "ours", 0.9, ours, design, W_MAX)
+    good = cascade.measured("spacecraft", "ours", 0.9, proved, design, W_MAX)
     assert good.kept
     assert not replace(good, corner=100).kept
-    assert replace(good, share=0.5, corner=100).kept  # nothing is owed from there
+    assert replace(good, share=0.5, corner=100).kept  # nothing is proved from there
     assert not replace(good, middle=1).kept

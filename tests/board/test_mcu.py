@@ -1,4 +1,5 @@
-"""`python -m benchmarks mcu`: sizes add up, rivals compute the same law, the tables are whole, a controller beyond its bounds is exit code 1."""
+"""`python -m benchmarks mcu`: sizes, other implementations that compute the same law, complete tables, and the exit code where a
+controller exceeds its bounds."""
 
 from __future__ import annotations
 
@@ -21,54 +22,55 @@ from tests.support.missing_tools import skip_without
 
 @pytest.fixture
 def board(tool) -> Any:
+    """Return the board m4f; without its tools the test is skipped."""
     for name in ("arm-none-eabi-gcc", "arm-none-eabi-size", "qemu-system-arm"):
         tool(name)
     return BOARDS["m4f"]
 
 
-def points(controller: Any, count: int = 300) -> tuple[np.ndarray, ...]:
-    """Times and states inside the tube, where a rival need not know what a status is."""
+def times_and_states(controller: Any, count: int = 300) -> tuple[np.ndarray, ...]:
+    """Return times, alpha where there is one, and states inside the tube; another implementation need not know a status."""
     random = np.random.default_rng(5)
     t = random.uniform(0, 9, count).astype(np.float32)
     alpha = np.full((count, 4), 0.1, np.float32)
-    stateful = any(p.name == "alpha" for p in controller.program.function("control").params)
-    low, high = CompiledC(controller).tube(t, alpha) if stateful else CompiledC(controller).tube(t)
+    has_alpha = any(p.name == "alpha" for p in controller.program.function("control").params)
+    low, high = CompiledC(controller).tube(t, alpha) if has_alpha else CompiledC(controller).tube(t)
     x = (low + (high - low) * random.uniform(0.1, 0.9, low.shape)).astype(np.float32)
-    wide = ((high - low) > 0.1).all(axis=1)
-    return tuple(v[wide] for v in ((t, alpha, x) if stateful else (t, x)))
+    is_wide = ((high - low) > 0.1).all(axis=1)
+    return tuple(v[is_wide] for v in ((t, alpha, x) if has_alpha else (t, x)))
 
 
 @pytest.mark.parametrize(("design", "single"), [("refined", False), ("refined", True), ("adaptive", False), ("adaptive", True)])
-def test_casadis_own_c_is_the_same_law(design: str, single: bool, board: Any) -> None:
+def test_the_c_that_casadi_prints_computes_the_same_law(design: str, single: bool, board: Any) -> None:
     controller = mcu.variant(design, "float", "libm")
-    ours = CompiledC(controller).control(*points(controller))[1]
+    u = CompiledC(controller).control(*times_and_states(controller))[1]
     text = rivals.casadi_text(controller, single)
-    other = replace(controller, files={**controller.files, f"{controller.task.name}.c": text.encode()})
-    theirs = Emulated(other, board, extra_flags=("-w",)).call("control", *points(controller))[1]
-    assert np.max(np.abs(ours - theirs) / (1 + np.abs(ours))) < 1e-3
+    casadi_controller = replace(controller, files={**controller.files, f"{controller.task.name}.c": text.encode()})
+    casadi_u = Emulated(casadi_controller, board, extra_flags=("-w",)).call("control", *times_and_states(controller))[1]
+    assert np.max(np.abs(u - casadi_u) / (1 + np.abs(u))) < 1e-3
 
 
-def test_the_hand_written_c_is_the_same_law_and_tells_the_same_statuses(board: Any) -> None:
+def test_the_hand_written_c_computes_the_same_law_and_status(board: Any) -> None:
     controller = mcu.variant("refined", "float", "libm")
-    t, x = points(controller)
+    t, x = times_and_states(controller)
     x[::5] += 3.0
     x[1, 0] = np.nan
-    status, ours = CompiledC(controller).control(t, x)
-    other = replace(controller, files={**controller.files, "arena.c": rivals.hand_text(controller).encode()})
-    got, theirs = Emulated(other, board, extra_flags=("-w",)).call("control", t, x)
-    assert np.array_equal(got, status)
+    status, u = CompiledC(controller).control(t, x)
+    hand_controller = replace(controller, files={**controller.files, "arena.c": rivals.hand_text(controller).encode()})
+    hand_status, hand_u = Emulated(hand_controller, board, extra_flags=("-w",)).call("control", t, x)
+    assert np.array_equal(hand_status, status)
     assert set(status) == {0, 1, 2}
-    assert np.max(np.abs(ours - theirs) / (1 + np.abs(ours))) < 1e-3
+    assert np.max(np.abs(u - hand_u) / (1 + np.abs(u))) < 1e-3
 
 
-def test_single_precision_text_has_no_call_or_literal_in_double_left() -> None:
+def test_text_in_single_precision_has_no_call_or_literal_in_double() -> None:
     text = rivals.casadi_text(mcu.variant("refined", "float", "libm"), True)
     body = text[text.index("static int casadi_f0") :]
     assert not rivals._LITERAL.search(body)
     assert "log(" not in body.replace("logf(", "")
 
 
-def test_sizes_are_of_what_control_needs(board: Any) -> None:
+def test_the_size_of_control_is_its_code_and_its_table(board: Any) -> None:
     controller = controller_of("omni_s2")
     code, tables, ram = mcu.sizes(controller, board)
     assert tables == 4 * len(controller.program.table("coefficients").values)
@@ -77,7 +79,7 @@ def test_sizes_are_of_what_control_needs(board: Any) -> None:
 
 
 @pytest.mark.slow
-def test_the_whole_run_in_small(board: Any, monkeypatch: Any) -> None:
+def test_a_small_run_has_complete_tables(board: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(mcu, "VARIANTS", mcu.VARIANTS[:2])
     monkeypatch.setattr(mcu, "DIMENSIONS", (1, 3))
     monkeypatch.setattr(mcu, "CROWDS", (("empty", 0), ("paper", 4)))
@@ -91,15 +93,15 @@ def test_the_whole_run_in_small(board: Any, monkeypatch: Any) -> None:
     if not rust:
         skip_without("Rust's core library for the board is not here; `.ci/tools integration` installs it")
     assert [v["within"] for v in rust] == [True, True]
-    one, three = (v["most"] for v in document["by_dimension"])
-    assert 2 < three / one < 3  # linear, less what there is once
-    none, four = (v["most"] for v in document["by_obstacles"])
-    assert abs(none - four) <= 15  # the same code; the logarithm takes another way now and then
+    maximum_1, maximum_3 = (v["most"] for v in document["by_dimension"])
+    assert 2 < maximum_3 / maximum_1 < 3  # linear in the dimension, plus a constant part
+    maximum_empty, maximum_4 = (v["most"] for v in document["by_obstacles"])
+    assert abs(maximum_empty - maximum_4) <= 15  # the code is the same; the logarithm sometimes takes another branch
     assert all(v["stack"] <= 128 for v in document["boards"])
 
 
 def test_a_controller_beyond_its_bounds_is_an_exit_code(board: Any, monkeypatch: Any) -> None:
-    def bent(*arguments: Any) -> Any:
+    def wrong_variant(*arguments: Any) -> Any:
         controller = original(*arguments)
         text = controller.files["arena.c"].replace(b"(-0.5F) : 0.5F", b"(-0.5F) : 0.6F")
         assert text != controller.files["arena.c"]
@@ -107,7 +109,7 @@ def test_a_controller_beyond_its_bounds_is_an_exit_code(board: Any, monkeypatch:
         return controller
 
     original = mcu.variant
-    monkeypatch.setattr(mcu, "variant", bent)
+    monkeypatch.setattr(mcu, "variant", wrong_variant)
     monkeypatch.setattr(mcu, "beside", lambda *_: [])
     monkeypatch.setattr(mcu, "growth", lambda *_: ([], []))
     monkeypatch.setattr(mcu, "VARIANTS", mcu.VARIANTS[:1])
