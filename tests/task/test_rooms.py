@@ -353,7 +353,7 @@ def test_the_oracle_of_rooms_recognizes_a_box_outside() -> None:
 
     def inside(*values: float, clearance: float = 0) -> bool:
         a, b, c, d = (Fraction(str(v)) for v in values)
-        return box_is_inside(listed_room, ((a, b), (c, d)), Fraction(str(clearance)))
+        return contains_box(listed_room, ((a, b), (c, d)), Fraction(str(clearance)))
 
     assert inside(0, 0, 2, 2)
     assert inside(0, 0, 4, 2)
