@@ -11,7 +11,7 @@ from stt_codegen.emit.naming import (
     wrap_name,
 )
 from stt_codegen.emit.render import Files, clock_words, design_hash, notice, render
-from stt_codegen.emit.selftest import suites
+from stt_codegen.emit.selftest import selftest_suites
 
 __all__ = [
     "Files",
@@ -27,8 +27,8 @@ __all__ = [
     "plant_source",
     "render",
     "selftest_name",
+    "selftest_suites",
     "spelled_name",
-    "suites",
     "unwrap_name",
     "wrap_name",
 ]

@@ -1,7 +1,7 @@
-"""The certificate as a JSON document, format 2: docs/certificate-format.md specifies it for whoever writes a checker.
+"""The certificate as a JSON document, format 2, which docs/certificate-format.md specifies. `render` calls it.
 
-A refined tube's claims are whole numbers in units of its table and fractions; one line each. Adaptive and literal designs keep
-decimals, rounded to the safe side.
+The claims of a refined tube are whole numbers in units of its table, and fractions; one line each. Those of adaptive and literal
+designs are decimals, rounded to the safe side.
 """
 
 from __future__ import annotations
@@ -21,11 +21,12 @@ from stt_codegen.program import Program
 from stt_codegen.task import Task
 
 CERTIFICATE_FORMAT = 2
-DIGITS = {"enclosure": 4, "sampled": 6}  # of margins and bounds: fewer where a library's last digit has a part
+# Significant digits of margins and bounds, by method: fewer where the last digits of a library's functions reach them.
+DIGITS = {"enclosure": 4, "sampled": 6}
 
 
 def certificate_text(task: Task, design: Design, program: Program, certificate: Certificate, digests: dict[str, str]) -> str:
-    """The document as it is written: one claim a line."""
+    """Return the certificate as text, one claim on a line. digests: the SHA-256 of every file that it is about."""
     head = {
         "format": CERTIFICATE_FORMAT,
         "task": task.name,
@@ -40,16 +41,16 @@ def certificate_text(task: Task, design: Design, program: Program, certificate: 
 
 
 def _lines(document: dict[str, Any]) -> str:
-    """Every entry on one line, but for those that open."""
+    """Return the document as JSON: an entry on one line, but lists of claims and long tables with a line for each of theirs."""
     entries = []
     for key, value in document.items():
         if isinstance(value, list) and value and isinstance(value[0], dict):
-            shown = "[\n" + ",\n".join(f"    {json.dumps(one)}" for one in value) + "\n  ]"
+            text = "[\n" + ",\n".join(f"    {json.dumps(item)}" for item in value) + "\n  ]"
         elif isinstance(value, dict) and len(json.dumps(value)) > 100:
-            shown = "{\n" + ",\n".join(f"    {json.dumps(k)}: {json.dumps(v)}" for k, v in value.items()) + "\n  }"
+            text = "{\n" + ",\n".join(f"    {json.dumps(k)}: {json.dumps(v)}" for k, v in value.items()) + "\n  }"
         else:
-            shown = json.dumps(value)
-        entries.append(f"  {json.dumps(key)}: {shown}")
+            text = json.dumps(value)
+        entries.append(f"  {json.dumps(key)}: {text}")
     return "{\n" + ",\n".join(entries) + "\n}"
 
 
@@ -57,7 +58,7 @@ def _lines(document: dict[str, Any]) -> str:
 
 
 def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[str, Any]:
-    """What is claimed of a refined tube."""
+    """Return the claims about a refined tube, and the numbers that a checker needs for them."""
     claims, bezier = claims_of(task, design, certificate), design.bezier()
     cuts = cuts_of(claims)
     return {
@@ -81,14 +82,14 @@ def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[
 
 
 def _filter(design: RefinedDesign, certificate: Certificate) -> dict[str, Any]:
-    """lambda, and what the arithmetic moves an edge's rate by, in units of the table in a segment's time."""
+    """Return lambda, and the error of an edge's rate by the arithmetic, in units of the table per segment."""
     unit = design.unit * design.segments / Fraction(design.prescribed_time)
-    wrong = [math.ceil(v / unit) for v in certificate.rate_error]
-    return {"filter": [str(v) for v in design.filter], "rate_error": wrong}
+    rate_error = [math.ceil(v / unit) for v in certificate.rate_error]
+    return {"filter": [str(v) for v in design.filter], "rate_error": rate_error}
 
 
 def _claim(claim: SlackClaim, cuts: int) -> dict[str, Any]:
-    """One claim; times in parts of a segment."""
+    """Return one claim; its times are in parts of a segment."""
     entry: dict[str, Any] = {"property": claim.subject.code}
     if claim.name is not None:
         entry["set"] = claim.name
@@ -105,35 +106,35 @@ def _claim(claim: SlackClaim, cuts: int) -> dict[str, Any]:
 
 
 def _control(task: Task) -> dict[str, Any]:
-    """The law's constants by component, as the task has them; u_max as it is emitted."""
+    """Return the constants of the control law by component, as the task has them; u_max as it is emitted."""
     limit = None if task.emitted_u_max is None else [str(v) for v in task.emitted_u_max]
     return {"gain": [str(v) for v in task.gain], "e_max": [str(v) for v in task.e_max], "u_max": limit}
 
 
 def _clock(task: Task) -> dict[str, Any]:
-    """The doubt about the clock of sets that move, within which the claims hold."""
+    """Return the timing uncertainty of moving sets, within which the claims hold."""
     return {"start_delay": str(task.start_delay), "timing": {s.name: str(s.timing) for s in task.unsafe if s.timing is not None}}
 
 
-def _mission(shown: MissionProof, cuts: int) -> dict[str, Any]:
-    """The formula, and by how many parts of a segment every stretch of P10 may be shorter at both ends."""
-    return {"formula": str(shown.formula), "time_margin": shown.time_margin * cuts // SLICES}
+def _mission(proof: MissionProof, cuts: int) -> dict[str, Any]:
+    """Return the formula, and by how many parts of a segment every interval of P10 may be shorter at both ends."""
+    return {"formula": str(proof.formula), "time_margin": proof.time_margin * cuts // SLICES}
 
 
-def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
-    """P9's numbers: fractions, and |u| rounded up. An absent bound of the plant is as its field says."""
+def _sampled(task: Task, proof: PeriodProof) -> dict[str, Any]:
+    """Return the numbers of P9: fractions, and |u| rounded up. A bound that [plant] lacks is null or the default of its field."""
     return {
-        "period": str(proved.period),
-        "latency": str(proved.latency),
-        "share": str(proved.share),
+        "period": str(proof.period),
+        "latency": str(proof.latency),
+        "share": str(proof.share),
         "plant": {
             name: [str(v) for v in value] if isinstance(value, tuple) else None if value is None else str(value)
             for name, value in task.plant.bounds.items()
         },
         **({"period_min": str(task.shortest_period)} if task.uses_differences else {}),
-        "rho": [str(v) for v in proved.rho],
-        "u": [str(Fraction(str(above(v)))) for v in proved.u],
-        "shift": [str(v) for v in proved.shift],
+        "rho": [str(v) for v in proof.rho],
+        "u": [str(Fraction(str(above(v)))) for v in proof.u],
+        "shift": [str(v) for v in proof.shift],
     }
 
 
@@ -141,7 +142,7 @@ def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
 
 
 def _decimals(task: Task, design: AdaptiveDesign, certificate: Certificate) -> dict[str, Any]:
-    """What is claimed of an adaptive or literal tube: margins rounded down, bounds up."""
+    """Return the claims about an adaptive or literal tube: margins rounded down, bounds up."""
     digits = DIGITS[certificate.method]
     steps = {} if certificate.steps is None else {"alpha_steps": [float(v) for v in certificate.steps]}
     return {
@@ -166,13 +167,16 @@ def _decimals(task: Task, design: AdaptiveDesign, certificate: Certificate) -> d
 
 
 def _inward(value: Fraction, width: Fraction, inward: int) -> str:
-    """An edge of gamma(0), rounded inward (1: up, -1: down) by at most a thousandth of the width: fewer digits than were
-    computed, so that no library's last digit reaches the file."""
+    """Return an edge of gamma(0), rounded inward (1: up, -1: down) by at most a thousandth of the width.
+
+    It has fewer digits than were computed, so that the last digits of a library's functions do not reach the file.
+    """
     step = Fraction(10) ** (math.floor(math.log10(width)) - 3) if width > 0 else Fraction(1, 10**9)
     return exact_decimal(inward * math.ceil(inward * value / step) * step)
 
 
 def _finding(finding: Finding, digits: int) -> dict[str, Any]:
+    """Return one finding of an adaptive or literal tube."""
     entry: dict[str, Any] = {
         "property": finding.code,
         "statement": finding.statement,

@@ -1,5 +1,5 @@
-"""C around the emitted C for whoever closes the loop: one interface in doubles for controllers of every kind, and a plant printed
-from its kernel (templates/loop/)."""
+"""C for closed loops of the emitted C: an adapter with one interface in doubles for every kind of controller, and a plant printed
+from its kernel (templates/loop/). `loop/`, the report's page and ROS packages use it."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from stt_codegen.program.targets.c import CPrinter
 from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import Task
 
-STEPS = 2000  # of alpha over t_c, where the certificate says nothing of them
+ALPHA_STEPS = 2000  # over t_c, where the certificate has no longest step of alpha
 
 
 def driven_sources(task: Task) -> list[str]:
-    """The emitted C files that a loop compiles."""
+    """Return the names of the emitted C files that a closed loop compiles."""
     _, source, *_ = file_names(task.name)
     guard = [guard_name(task.name)] if task.control.outside != "return" else []
     return [source, *guard, *([wrap_name(task.name)] if task.repeat else [])]
 
 
 def cycle_literal(design: Design) -> str | None:
-    """The length of the cycle of a tube that repeats itself, seconds, as a double's literal."""
+    """Return the length of the cycle of a tube that repeats itself, seconds, as a literal of a double; else None."""
     cycle = cycle_of(design)
     return None if cycle is None else shortest(round_to(cycle.length, "double"), "double")
 
 
 def adapter_source(task: Task, design: Design, certificate: Certificate) -> str:
-    """`loop_own_step`, `loop_own_tube`, `loop_own_margin` and what else templates/loop/adapter.c.j2 has."""
+    """Return the C of `loop_own_step`, `loop_own_tube`, `loop_own_margin` and the rest of templates/loop/adapter.c.j2."""
     if task.emit.scalar == "fixed":
         refined = require_refined(design)
         return template("loop/adapter_fixed.c.j2").render(
@@ -43,15 +43,15 @@ def adapter_source(task: Task, design: Design, certificate: Certificate) -> str:
             table=[[f"{v}.0" for v in row] for row in refined.integers().reshape(len(refined.table), -1)],
         )  # fmt: skip
     steps = certificate.steps
-    longest = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / STEPS)
+    longest_step = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / ALPHA_STEPS)
     return template("loop/adapter.c.j2").render(
-        prefix=task.name, macro=task.name.upper(), is_stateful=design.is_stateful, longest=longest, order=task.order,
+        prefix=task.name, macro=task.name.upper(), is_stateful=design.is_stateful, longest=longest_step, order=task.order,
         outside=task.control.outside, differs=task.uses_differences, cycle=cycle_literal(design),
     )  # fmt: skip
 
 
 def plant_source(plant: Model, n: int, order: int) -> str:
-    """`loop_plant`: f and g of a plant in n dimensions, in double."""
+    """Return the C of `loop_plant`: f and g of a plant in n dimensions, in double."""
     kernel = lower(model(plant, n, order))
     lines = CPrinter(Program("plant", n, "double", (), (kernel,), functions=())).kernel(kernel)
     outputs = [f"f + {i}" for i in range(n)] + [f"g + {i}" for i in range(n * n)]

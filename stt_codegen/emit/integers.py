@@ -1,11 +1,12 @@
-"""The text of the files of a controller in integers: what `render` makes of one in floating point."""
+"""The text of the files of a controller in integers: what render.py does for one in floating point, whose `render` calls it."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from fractions import Fraction
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from stt_codegen.certify import Certificate
 from stt_codegen.certify.missions import phases
@@ -19,10 +20,13 @@ from stt_codegen.program.targets import targets_of
 from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import Task
 
-CALM: tuple[float, ...] = (0.48, 0.53, 0.505, 0.46)  # of the way from the lower edge to the upper one
-STRIKING = (0.03, 0.97, -0.5, 1.5)
-ENDS = (-(2**31), 2**31 - 1)
-WATCHED = 256  # ticks of a mission, among which a wide tube and its rows are looked for
+Shares = tuple[float, ...]  # by component, of the way from the lower edge to the upper one
+
+NEAR_MIDDLE_SHARES: Shares = (0.48, 0.53, 0.505, 0.46)
+EDGE_SHARES = (0.03, 0.97, -0.5, 1.5)  # beside the edges and outside
+BESIDE_EDGE_SHARES = (-0.02, 1.02)  # just outside
+INTEGER_ENDS = (-(2**31), 2**31 - 1)
+SEARCHED_TICKS = 256  # of a mission, among which the widest tube and all rows of 1/d are looked for
 
 
 def texts(
@@ -32,10 +36,40 @@ def texts(
     certificate: Certificate,
     common: dict[str, Any],
 ) -> dict[str, str]:
-    """The files of each language by name, a self-test and phases where asked for. common: what all templates are told."""
+    """Return the text of each file by name: of every language, and of phases and self-test where there are any.
+
+    common: the names that templates of every scalar read.
+    """
     assert program.tick is not None
     law = law_of(task, design)
-    told = common | {
+    names = common | _template_names(task, design, program, certificate)
+
+    def rendered(template_name: str, **more_names: Any) -> str:
+        return template(template_name).render(**names, **more_names)
+
+    files = {
+        task.name + suffix: rendered(f"{target.key}/fixed{suffix}.j2", **{target.key: target.printer(program)})
+        for target in targets_of(task.emit)
+        for suffix in target.suffixes
+    }
+    if names["phases"]:
+        files[phase_name(task.name)] = rendered("c/fixed_phase.c.j2")
+    if task.emit.selftest:
+        vectors = [p.name for p in program.function("control").params if p.length and not p.output]
+        module = loaded(files[f"{task.name}.py"])
+        calls = [
+            (tick, [_literal(v) for v in numbers], status)
+            for tick, numbers, status in _selftest_calls(design, module, int(names["last_tick"]), law.octaves)
+        ]
+        files[selftest_name(task.name)] = rendered("c/fixed_selftest.c.j2", vectors=vectors, calls=calls, n=program.dimension)
+    return files
+
+
+def _template_names(task: Task, design: RefinedDesign, program: Program, certificate: Certificate) -> dict[str, Any]:
+    """Return what only the templates of integers read, or read in another form."""
+    assert program.tick is not None
+    law = law_of(task, design)
+    names: dict[str, Any] = {
         "x_bits": design.bits,
         "u_bits": law.u_bits,
         "x_scale": power_of_two(design.bits),
@@ -50,39 +84,21 @@ def texts(
         "share": shortest(round_down(start_share(task), "double"), "double"),
     }
     if certificate.mission is not None:
-        told["phases"] = [(math.ceil(until / program.tick), entry) for until, entry in phases(task, certificate.mission)]
+        names["phases"] = [(math.ceil(until / program.tick), entry) for until, entry in phases(task, certificate.mission)]
     if certificate.proved_period is not None:
-        told["proved"] = int(certificate.proved_period.period / program.tick)
-
-    def made(name: str, **more: Any) -> str:
-        return template(name).render(**told, **more)
-
-    files = {
-        task.name + suffix: made(f"{target.key}/fixed{suffix}.j2", **{target.key: target.printer(program)})
-        for target in targets_of(task.emit)
-        for suffix in target.suffixes
-    }
-    if told["phases"]:
-        files[phase_name(task.name)] = made("c/fixed_phase.c.j2")
-    if task.emit.selftest:
-        vectors = [p.name for p in program.function("control").params if p.length and not p.output]
-        calls = [
-            (tick, [_literal(v) for v in given], status)
-            for tick, given, status in _calls(design, loaded(files[f"{task.name}.py"]), int(told["last_tick"]), law.octaves)
-        ]
-        files[selftest_name(task.name)] = made("c/fixed_selftest.c.j2", vectors=vectors, calls=calls, n=program.dimension)
-    return files
+        names["proved"] = int(certificate.proved_period.period / program.tick)
+    return names
 
 
 def loaded(text: str) -> ModuleType:
-    """The emitted Python."""
+    """Return the emitted Python as a module."""
     module = ModuleType("emitted")
     exec(compile(text, "emitted", "exec"), module.__dict__)
     return module
 
 
 def power_of_two(bits: int) -> str:
-    """2^bits as a number of C."""
+    """Return 2^bits as a number of C."""
     return f"{2**bits}.0" if bits >= 0 else f"(1.0 / {2**-bits}.0)"
 
 
@@ -91,73 +107,132 @@ def _number(value: Fraction) -> str:
 
 
 def _literal(value: int) -> str:
-    return "INT32_MIN" if value == ENDS[0] else str(value)
+    return "INT32_MIN" if value == INTEGER_ENDS[0] else str(value)
 
 
-def _calls(design: RefinedDesign, module: ModuleType, last: int, octaves: int) -> list[tuple[int, list[int], str]]:
-    """Calls of `control` and their results: near the middle in every third segment, where u is not saturated, so that every
-    coefficient moves some u; in every row of the curves, of H where the tube is widest, so that u is the least; on the edges and
-    beside them, outside, and at the ends of all integers. Of order 2 v + lambda x stands so too, and one of the two alone is
-    outside."""
-    n, middle = design.dimension, (0.5,) * design.dimension
-    places = [k for k in range(design.segments) if k % 3 == 0 or k == design.segments - 1]
-    when = [last * (2 * k + 1) // (2 * design.segments) for k in places]
-    stands = [(tick, _turned(CALM, k, n), _turned(CALM, k + 1, n)) for k, tick in enumerate([*when, 0, last, 2**32 - 1])]
-    striking = enumerate(STRIKING)
-    stands += [(last * (2 * k + 1) // (2 * len(STRIKING)), (share,) * n, (share,) * n) for k, share in striking]
-    wide = _widths(design, module, last)
-    widest = max(wide, key=lambda tick: min(wide[tick]))
-    for row in range(octaves << RISE_BITS):
-        shares = tuple(_share_in(row + i * (octaves << RISE_BITS) // n, octaves, i % 2 == 1) for i in range(n))
-        stands.append((widest, middle if design.filter else shares, shares))
-    seen: set[tuple[int, int]] = set()
-    for tick, widths in wide.items():  # rows of 1/d, by the leading bits of a width
-        rows = {(i, w >> (w.bit_length() - 1 - OVER_BITS)) for i, w in enumerate(widths)}
-        if rows - seen:
-            stands.append((tick, _turned(CALM, tick, n), _turned(CALM, tick + 1, n)))
-            seen |= rows
+# ------------------------------------------------------------------------------------------------ self-test
+
+
+class _Stand(NamedTuple):
+    """A tick, and where x and v + lambda x stand between their edges at it; without a filter only x counts."""
+
+    tick: int
+    x: Shares
+    filtered: Shares
+
+
+@dataclass(frozen=True)
+class _State:
+    """A tick, and x (of order 2 also v) in units."""
+
+    tick: int
+    vectors: list[list[int]]
+
+
+def _selftest_calls(design: RefinedDesign, module: ModuleType, last_tick: int, octaves: int) -> list[tuple[int, list[int], str]]:
+    """Return calls of `control`: the tick, its arguments with the u that they give, and the name of the status."""
+    widths = _widths_by_tick(design, module, last_tick)
+    stands = [
+        *_stands_in_segments(design, last_tick),
+        *_stands_in_rise_rows(design, widths, octaves),
+        *_stands_in_over_rows(design, widths),
+    ]
     if design.filter:
-        stands += [(last // 2, (share,) * n, middle) for share in (-0.02, 1.02)]
-        stands += [(last // 2, middle, (share,) * n) for share in (-0.02, 1.02)]
-    given = [(tick, _state(design, module, tick, x, z)) for tick, x, z in stands]
+        stands += _stands_outside_one_tube(design, last_tick)
+    states = [_State(s.tick, _state_at(design, module, s)) for s in stands]
     if not design.filter:
-        lower, upper = (list(v) for v in module.tube(last // 2))
-        halves = [(a + b) // 2 for a, b in zip(lower, upper, strict=True)]
-        given += [(last // 2, [[v + by for v in edge]]) for edge in (lower, upper, halves) for by in (-1, 0, 1)]
-    given += [(last // 3, [[end] * n] * (2 if design.filter else 1)) for end in ENDS]
+        states += _states_beside_edges(module, last_tick)
+    vector_count = 2 if design.filter else 1
+    states += [_State(last_tick // 3, [[end] * design.dimension] * vector_count) for end in INTEGER_ENDS]
     calls = []
-    for tick, state in given:
-        status, u = module.control(tick, *state)
-        calls.append((tick, [v for vector in state for v in vector] + list(u), Status(status).name))
+    for state in states:
+        status, u = module.control(state.tick, *state.vectors)
+        calls.append((state.tick, [v for vector in state.vectors for v in vector] + list(u), Status(status).name))
     return calls
 
 
-def _turned(shares: tuple[float, ...], by: int, n: int) -> tuple[float, ...]:
-    return tuple(shares[(by + i) % len(shares)] for i in range(n))
+def _stands_in_segments(design: RefinedDesign, last_tick: int) -> list[_Stand]:
+    """Return states near the middle in every third segment, where u is not saturated, so that every coefficient moves some u;
+    and states beside the edges and outside, spread over the mission."""
+    n = design.dimension
+    segments = [k for k in range(design.segments) if k % 3 == 0 or k == design.segments - 1]
+    ticks = [last_tick * (2 * k + 1) // (2 * design.segments) for k in segments]
+    stands = [_near_middle(tick, k, n) for k, tick in enumerate([*ticks, 0, last_tick, 2**32 - 1])]
+    for k, share in enumerate(EDGE_SHARES):
+        stands.append(_Stand(last_tick * (2 * k + 1) // (2 * len(EDGE_SHARES)), (share,) * n, (share,) * n))
+    return stands
 
 
-def _share_in(row: int, octaves: int, high: bool) -> float:
-    """Of the way from the lower edge to the upper one, where y = 1 - |e| is in the middle of a row of H."""
+def _stands_in_rise_rows(design: RefinedDesign, widths: dict[int, list[int]], octaves: int) -> list[_Stand]:
+    """Return a state for every row of the curve H, where the tube is widest, so that u is the smallest."""
+    n, rows = design.dimension, octaves << RISE_BITS
+    widest_tick = max(widths, key=lambda tick: min(widths[tick]))
+    stands = []
+    for row in range(rows):
+        shares = tuple(_share_in_row(row + i * rows // n, octaves, i % 2 == 1) for i in range(n))
+        stands.append(_Stand(widest_tick, (0.5,) * n if design.filter else shares, shares))
+    return stands
+
+
+def _stands_in_over_rows(design: RefinedDesign, widths: dict[int, list[int]]) -> list[_Stand]:
+    """Return a state near the middle for every row of the curve 1/d, which the leading bits of a width select."""
+    stands = []
+    covered_rows: set[tuple[int, int]] = set()
+    for tick, tick_widths in widths.items():
+        rows = {(i, w >> (w.bit_length() - 1 - OVER_BITS)) for i, w in enumerate(tick_widths)}
+        if rows - covered_rows:
+            stands.append(_near_middle(tick, tick, design.dimension))
+            covered_rows |= rows
+    return stands
+
+
+def _stands_outside_one_tube(design: RefinedDesign, last_tick: int) -> list[_Stand]:
+    """Return states of order 2 of which only x, or only v + lambda x, is outside its tube."""
+    n = design.dimension
+    middle = (0.5,) * n
+    stands = [_Stand(last_tick // 2, (share,) * n, middle) for share in BESIDE_EDGE_SHARES]
+    return stands + [_Stand(last_tick // 2, middle, (share,) * n) for share in BESIDE_EDGE_SHARES]
+
+
+def _states_beside_edges(module: ModuleType, last_tick: int) -> list[_State]:
+    """Return states on the edges and in the middle, and one unit below and above them."""
+    tick = last_tick // 2
+    lower, upper = (list(v) for v in module.tube(tick))
+    middle = [(a + b) // 2 for a, b in zip(lower, upper, strict=True)]
+    return [_State(tick, [[v + step for v in x]]) for x in (lower, upper, middle) for step in (-1, 0, 1)]
+
+
+def _near_middle(tick: int, k: int, n: int) -> _Stand:
+    """Return a state near the middle of both tubes: NEAR_MIDDLE_SHARES from entry k on, and from entry k + 1 on."""
+
+    def shares_from(first: int) -> Shares:
+        return tuple(NEAR_MIDDLE_SHARES[(first + i) % len(NEAR_MIDDLE_SHARES)] for i in range(n))
+
+    return _Stand(tick, shares_from(k), shares_from(k + 1))
+
+
+def _share_in_row(row: int, octaves: int, is_high: bool) -> float:
+    """Return the share at which y = 1 - |e| is in the middle of a row of H; is_high: on the upper half."""
     octave, part = divmod(row % (octaves << RISE_BITS), 1 << RISE_BITS)
     y = 2.0 ** -(octave + 1) * (1 + (part + 0.5) / (1 << RISE_BITS))
-    return 1 - y / 2 if high else y / 2
+    return 1 - y / 2 if is_high else y / 2
 
 
-def _widths(design: RefinedDesign, module: ModuleType, last: int) -> dict[int, list[int]]:
-    """By tick, in units, the widths of the tube that the law goes by."""
+def _widths_by_tick(design: RefinedDesign, module: ModuleType, last_tick: int) -> dict[int, list[int]]:
+    """Return by tick, in units, the widths of the tube that the control law uses: with a filter those of the filtered tube."""
     tube = module.filtered_tube if design.filter else module.tube
-    ticks = sorted({last * k // WATCHED for k in range(WATCHED + 1)})
+    ticks = sorted({last_tick * k // SEARCHED_TICKS for k in range(SEARCHED_TICKS + 1)})
     return {tick: [b - a for a, b in zip(*tube(tick), strict=True)] for tick in ticks}
 
 
-def _state(design: RefinedDesign, module: ModuleType, tick: int, x: tuple[float, ...], z: tuple[float, ...]) -> list[list[int]]:
-    """x, and of order 2 v, from where x and v + lambda x are between their edges."""
+def _state_at(design: RefinedDesign, module: ModuleType, stand: _Stand) -> list[list[int]]:
+    """Return x, and of order 2 v, in units."""
 
-    def standing(edges: Any, shares: tuple[float, ...]) -> list[int]:
+    def between(edges: Any, shares: Shares) -> list[int]:
         return [a + round((b - a) * share) for a, b, share in zip(*edges, shares, strict=True)]
 
-    own = standing(module.tube(tick), x)
+    x = between(module.tube(stand.tick), stand.x)
     if not design.filter:
-        return [own]
-    held = standing(module.filtered_tube(tick), z)
-    return [own, [round(one - value * at) for one, value, at in zip(held, design.filter, own, strict=True)]]
+        return [x]
+    filtered = between(module.filtered_tube(stand.tick), stand.filtered)
+    return [x, [round(z - rate * x_i) for z, rate, x_i in zip(filtered, design.filter, x, strict=True)]]

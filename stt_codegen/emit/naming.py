@@ -1,7 +1,7 @@
-"""Names in emitted files: everything external begins with the task's prefix, nothing collides.
+"""Names of emitted files, and a check that no two names in them collide: every external name begins with the task's prefix.
 
-The task loader has refused prefixes that are reserved words or shadow a library; here the finished Program is checked,
-so that a new kernel or function cannot collide with another name of the same file.
+The task loader refuses prefixes that are reserved words or shadow a library. `check_names` is about the finished Program, so that
+a new kernel or function cannot collide with a name of the same file.
 """
 
 from __future__ import annotations
@@ -15,38 +15,38 @@ from stt_codegen.program.targets import TARGETS
 
 
 def file_names(prefix: str) -> tuple[str, ...]:
-    """The files that every task has: of the languages that are always emitted (header, source, module), and the certificate."""
+    """Return the files that every task has: those of languages that are always emitted (.h, .c, .py), and the certificate."""
     emitted = [name for target in TARGETS if not target.option for name in target.file_names(prefix)]
     return (*emitted, f"{prefix}.certificate.json")
 
 
 def selftest_name(prefix: str) -> str:
-    """The file that `emit.selftest` adds."""
+    """Return the file that `emit.selftest` adds."""
     return f"{prefix}_selftest.c"
 
 
 def guard_name(prefix: str) -> str:
-    """The file that `control.outside` adds where it is not "return"."""
+    """Return the file that `control.outside` adds where it is not "return"."""
     return f"{prefix}_guard.c"
 
 
 def phase_name(prefix: str) -> str:
-    """The file that a mission adds."""
+    """Return the file that a mission adds."""
     return f"{prefix}_phase.c"
 
 
 def wrap_name(prefix: str) -> str:
-    """The file that `repeat` adds."""
+    """Return the file that `repeat` adds."""
     return f"{prefix}_wrap.c"
 
 
 def unwrap_name(prefix: str) -> str:
-    """The file that `periodic` adds."""
+    """Return the file that `periodic` adds."""
     return f"{prefix}_unwrap.c"
 
 
 def spelled_name(prefix: str) -> str:
-    """The task with the sets of its map or outline spelled out, for who checks the certificate."""
+    """Return the file of the task with the sets of its map or outline written out, which the checker reads."""
     return f"{prefix}.task.toml"
 
 
@@ -58,11 +58,11 @@ def check_names(program: Program) -> None:
     """
     external = [t.name for t in program.tables] + [k.name for k in program.kernels] + [f.name for f in program.functions]
     external += ["real", "status", "selftest", "guard", "phase", "wrap", "wrap_tick", "unwrap", "exponent", "mantissa"]
-    _unique(external, "the file")
+    _require_unique(external, "the file")
     for kernel in program.kernels:
-        _unique([v.name for v in kernel.inputs] + [a.var.name for a in kernel.body], kernel.name)
+        _require_unique([v.name for v in kernel.inputs] + [a.var.name for a in kernel.body], kernel.name)
     for function in program.functions:
-        _unique([p.name for p in function.params] + list(_assigned(function.body)), function.name)
+        _require_unique([p.name for p in function.params] + list(_assigned_names(function.body)), function.name)
     hidden = {f"{program.prefix}_{name}" for name in external} | _helper_names(program)
     local = next((name for name in _locals(program) if name in hidden), None)
     if local is not None:
@@ -86,10 +86,11 @@ def _locals(program: Program) -> Iterator[str]:
         yield from (a.var.name for a in kernel.body)
     for function in program.functions:
         yield from (p.name for p in function.params)
-        yield from _assigned(function.body)
+        yield from _assigned_names(function.body)
 
 
-def _assigned(body: Iterable[Statement]) -> Iterator[str]:
+def _assigned_names(body: Iterable[Statement]) -> Iterator[str]:
+    """Yield the names that a body assigns: variables, results of calls, loop counters and carried values."""
     for statement in body:
         match statement:
             case Assign(var=var):
@@ -99,19 +100,20 @@ def _assigned(body: Iterable[Statement]) -> Iterator[str]:
             case For(index=index, body=inner, carries=carries):
                 yield index.name
                 yield from (c.var.name for c in carries)
-                yield from _assigned(inner)
+                yield from _assigned_names(inner)
             case Return(body=inner):
-                yield from _assigned(inner)
+                yield from _assigned_names(inner)
 
 
-def _unique(names: list[str], where: str) -> None:
-    seen: set[str] = set()
+def _require_unique(names: list[str], where: str) -> None:
+    """Raise ValueError where a name occurs twice, or is taken in a target language; where: the part that has the names."""
+    earlier_names: set[str] = set()
     for name in names:
-        if name in seen:
+        if name in earlier_names:
             raise ValueError(f"{where}: the name {name!r} is used twice")
         for target in TARGETS:
             if name in target.words:
                 raise ValueError(f"{where}: {name!r} is {target.words_are}")
             if name in target.globals:
                 raise ValueError(f"{where}: {name!r} is a name of the library of {target.title}")
-        seen.add(name)
+        earlier_names.add(name)

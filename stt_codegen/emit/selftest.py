@@ -1,13 +1,12 @@
 """`emit.selftest`: calls of `control` (and `control_tick`) for the board's boot, in a C file of their own.
 
-One call for every three segments of the table (a dozen where there is none), so that every coefficient moves some u, near the
-middle of the tube, where u is not saturated; and a few beside the edges, outside and far away. What u may be is an enclosure of
-the emitted arithmetic (`program.analyse.balls`), so every right compiler and library passes, whether or not it fuses
-multiplications or how it rounds, and nothing that is wrong by more than rounding does. A NaN at the end finds arithmetic
-without it.
+There is one call for every three segments of the table (a dozen where there is none), near the middle of the tube: u is not
+saturated there, so that every coefficient moves some u. A few calls are beside the edges, outside and far away. The bounds on u
+enclose the emitted arithmetic (`program.analyse.balls`): every right compiler and library passes, whether or not it fuses
+multiplications, and nothing passes that is wrong by more than rounding is. A NaN at the end finds arithmetic without it.
 
-For plants of order 2 it is v + lambda x that stands near the middle, of the filtered tube, and x elsewhere in its own, so that
-a wrong lambda moves u too; v is what is left. Then one of the two strikes while the other is calm.
+For plants of order 2, v + lambda x stands near the middle of the filtered tube, and x elsewhere in its tube, so that a wrong
+lambda moves u too; v follows from both. In the last calls one of the two leaves its tube while the other stays near the middle.
 """
 
 from __future__ import annotations
@@ -15,38 +14,55 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 from flint import arb
 
 from stt_codegen.designs import Design
 from stt_codegen.errors import BadInput
-from stt_codegen.program import FORMATS, REAL, Program, Status, Table, round_to, ulp_exponent
+from stt_codegen.program import FORMATS, REAL, Function, Program, Status, Table, round_to, ulp_exponent
 from stt_codegen.program.analyse import Enclosure, ball
 from stt_codegen.task import Task
 
-Edges = dict[str, list[arb]]
-Shares = tuple[Fraction | None, Fraction | None]  # where x and v + lambda x stand between their edges; None: near the middle
+Edges = dict[str, list[arb]]  # "lower" and "upper", by component
 
-# Where that is, by vector; the next dimension takes the next of the list, v + lambda x the one after x's.
-CALM = tuple(Fraction(v) for v in ("0.4", "0.6", "0.45", "0.55", "0.375"))
-STRIKING: tuple[Shares, ...] = tuple((Fraction(v), None) for v in ("0.03", "0.97", "-0.5", "1.5", "9"))
-STRIKING_SECOND: tuple[Shares, ...] = (
-    *((None, Fraction(v)) for v in ("0.03", "0.97", "-0.5", "1.5")),
-    *((Fraction(v), None) for v in ("0.03", "0.97", "-0.03", "1.03")),
-    (Fraction(9), Fraction(9)),
+
+class Position(NamedTuple):
+    """Where x and v + lambda x stand between their edges: 0 at the lower one, 1 at the upper one, None near the middle."""
+
+    x: Fraction | None
+    filtered: Fraction | None
+
+
+class CallPlan(NamedTuple):
+    """A call: the share of t_c at which its segment or part begins, and where the state stands."""
+
+    begin: Fraction
+    position: Position
+
+
+NEAR_MIDDLE = Position(None, None)
+# "Near the middle", by component: the next dimension takes the next of the list, v + lambda x the one after that of x.
+MIDDLE_SHARES = tuple(Fraction(v) for v in ("0.4", "0.6", "0.45", "0.55", "0.375"))
+EDGE_POSITIONS = tuple(Position(Fraction(v), None) for v in ("0.03", "0.97", "-0.5", "1.5", "9"))
+EDGE_POSITIONS_ORDER_TWO = (
+    *(Position(None, Fraction(v)) for v in ("0.03", "0.97", "-0.5", "1.5")),
+    *(Position(Fraction(v), None) for v in ("0.03", "0.97", "-0.03", "1.03")),
+    Position(Fraction(9), Fraction(9)),
 )
 PARTS = 36  # of the time, where there are no segments
-PLACES = tuple(Fraction(v) for v in ("0.45", "0.4", "0.5", "0.35", "0.55"))  # of t in its segment or part
-PIECES = 16  # of the ball of the place in a segment, for order 2
-VAGUE = 1 / 8  # of u: with more left open near the middle, a wrong table would pass
-TIGHT = 1e-4  # a ball's radius over its size where nothing was left undecided
+SHARES_IN_SEGMENT = tuple(Fraction(v) for v in ("0.45", "0.4", "0.5", "0.35", "0.55"))  # of a segment or part, for t; best first
+PIECES = 16  # of the ball of t's share of its segment, for order 2
+LARGEST_RELATIVE_RADIUS = 1 / 8  # of u near the middle: if u were less certain, a wrong table would pass
+DECIDED_RADIUS = 1e-4  # of an edge, over 1 + its size: a larger ball says that two segments are possible
 
 
 @dataclass(frozen=True, kw_only=True)
-class Vectors:
-    """Calls of one function: arguments one after the other (ticks apart), statuses, the least and greatest u of each."""
+class SelftestSuite:
+    """Calls of one function: `points` has the arguments of each one after the other (ticks apart), `low` and `high` the bounds
+    on its u. arguments: where each begins in a point, and whether it is an array."""
 
     function: str
     ticks: tuple[int, ...]
@@ -54,137 +70,157 @@ class Vectors:
     statuses: tuple[Status, ...]
     low: Table
     high: Table
-    arguments: tuple[tuple[int, bool], ...]  # where in a point, and whether it is an array
+    arguments: tuple[tuple[int, bool], ...]
 
 
-def suites(task: Task, design: Design, program: Program) -> list[Vectors]:
-    """The vectors of `control`, and of `control_tick` where there is one."""
+@dataclass(frozen=True)
+class _Call:
+    """One call with its results: the arguments but a tick, the status, and enclosures of u."""
+
+    inputs: dict[str, Any]
+    tick: int | None
+    status: Status
+    u: list[arb]
+
+
+def selftest_suites(task: Task, design: Design, program: Program) -> list[SelftestSuite]:
+    """Return the suite of `control`, and of `control_tick` where there is one. Raises `BadInput` where rounding hides u."""
     balls = Enclosure(program, rounding=True)
     parts = design.parts or PARTS
-    calm: Shares = (None, None)
-    places = sorted({*range(0, parts, 3), parts - 1})
-    strikes = STRIKING if task.order == 1 else STRIKING_SECOND
-    struck = [parts * (2 * k + 1) // (2 * len(strikes)) for k in range(len(strikes))]
-    when = [(Fraction(k, parts), calm) for k in places] + [(Fraction(k, parts), s) for k, s in zip(struck, strikes, strict=True)]
-    when += [(Fraction(-1, 8), calm), (Fraction(9, 8), calm)]  # before the start and after t_c
-    names = [f.name for f in program.functions if f.name in ("control", "control_tick")]
-    return [_vectors(task, design, program, balls, name, when) for name in names]
+    edge_positions = EDGE_POSITIONS if task.order == 1 else EDGE_POSITIONS_ORDER_TWO
+    count = len(edge_positions)
+    plans = [CallPlan(Fraction(k, parts), NEAR_MIDDLE) for k in sorted({*range(0, parts, 3), parts - 1})]
+    plans += [CallPlan(Fraction(parts * (2 * k + 1) // (2 * count), parts), p) for k, p in enumerate(edge_positions)]
+    plans += [CallPlan(Fraction(-1, 8), NEAR_MIDDLE), CallPlan(Fraction(9, 8), NEAR_MIDDLE)]  # before the start and after t_c
+    calculator = _CallCalculator(task, design, program, balls)
+    functions = [f for f in program.functions if f.name in ("control", "control_tick")]
+    return [_suite(f, program, [calculator.call(f.name, plan, k) for k, plan in enumerate(plans)]) for f in functions]
 
 
-def _vectors(
-    task: Task,
-    design: Design,
-    program: Program,
-    balls: Enclosure,
-    name: str,
-    when: Sequence[tuple[Fraction, Shares]],
-) -> Vectors:
-    """Calls at these shares of the time, each with where x and v + lambda x stand."""
-    function, scalar, n = program.function(name), program.scalar, program.dimension
-    points: list[Fraction] = []
-    low: list[Fraction] = []
-    high: list[Fraction] = []
-    statuses: list[Status] = []
-    ticks: list[int] = []
-    part, places = Fraction(1, design.parts or PARTS), _places(design, balls)
-    for k, (begin, (share, filtered_share)) in enumerate(when):
-        given, tube, filtered = _time(task, program, balls, [begin + place * part for place in places], k)
-        given["x"] = [round_to(value, scalar) for value in _standing(tube, share, k)]
-        if filtered is not None:
-            held = zip(_standing(filtered, filtered_share, k + 1), design.filter, given["x"], strict=True)
-            given["v"] = [round_to(z - value * x, scalar) for z, value, x in held]
-        if name == "control_tick":
-            assert task.emit.tick_period is not None
-            ticks.append(max(0, int(given.pop("t") / task.emit.tick_period)))
-        inputs = {key: _balls(v) for key, v in given.items()}
-        outputs, found = _found(task, balls, name, inputs | ({"tick": ticks[-1]} if ticks else {}))
-        second = task.order == 2 and name == "control" and share is None and filtered_share is None
-        if len(found) != 1 or any(not u.is_finite() or (second and u.rad() > VAGUE * abs(u.mid())) for u in outputs["u"]):
-            doubles = 'use emit.scalar = "double", ' if scalar == "float" else ""
-            raise BadInput(
-                f"emit.selftest: a {scalar} rounds too much to tell u, so far from the origin or in so narrow a tube; "
-                f"{doubles}put the origin near the task, or leave it out"
-            )
-        statuses += found
-        for value in given.values():
-            points += value if isinstance(value, list) else [value]
-        low += [_outward(u, scalar, -1) for u in outputs["u"]]
-        high += [_outward(u, scalar, 1) for u in outputs["u"]]
-    numbers = [p for p in function.inputs if p.type is REAL]
-    lengths = [p.length or 1 for p in numbers]
-    suffix = "" if name == "control" else "_at_ticks"
-    return Vectors(
-        function=name,
-        ticks=tuple(ticks),
-        points=Table(
-            "points" + suffix, tuple(points), sum(lengths), (f"Arguments of {name}: {', '.join(p.name for p in numbers)}.",)
-        ),
-        statuses=tuple(statuses),
-        low=Table("least" + suffix, tuple(low), n, ("u may be from here",)),
-        high=Table("greatest" + suffix, tuple(high), n, ("to here: all that IEEE arithmetic can give.",)),
-        arguments=tuple((sum(lengths[:k]), p.length is not None) for k, p in enumerate(numbers)),
+def _suite(function: Function, program: Program, calls: Sequence[_Call]) -> SelftestSuite:
+    """Return the calls of one function as tables of numbers of the program's scalar."""
+    points = [v for call in calls for value in call.inputs.values() for v in (value if isinstance(value, list) else [value])]
+    low = tuple(_rounded_outward(u, program.scalar, -1) for call in calls for u in call.u)
+    high = tuple(_rounded_outward(u, program.scalar, 1) for call in calls for u in call.u)
+    arguments = [p for p in function.inputs if p.type is REAL]
+    lengths = [p.length or 1 for p in arguments]
+    suffix = "" if function.name == "control" else "_at_ticks"
+    points_doc = f"Arguments of {function.name}: {', '.join(p.name for p in arguments)}."
+    high_doc = "to here: all that IEEE arithmetic can give."
+    return SelftestSuite(
+        function=function.name,
+        ticks=tuple(call.tick for call in calls if call.tick is not None),
+        points=Table("points" + suffix, tuple(points), sum(lengths), (points_doc,)),
+        statuses=tuple(call.status for call in calls),
+        low=Table("least" + suffix, low, program.dimension, ("u may be from here",)),
+        high=Table("greatest" + suffix, high, program.dimension, (high_doc,)),
+        arguments=tuple((sum(lengths[:k]), p.length is not None) for k, p in enumerate(arguments)),
     )
 
 
-def _found(task: Task, balls: Enclosure, name: str, given: dict[str, Any]) -> tuple[dict[str, list[arb]], Any]:
-    """u and the statuses. Of order 2 a slope is a small difference of large terms, which all move with the place in the segment,
-    but apart in balls. So that place is taken in pieces; a tick gives it so exactly that there is no need."""
-    if task.order == 1 or name != "control":
-        return balls.run(name, **given)
-    row, place = balls.kernel("segment", given["t"])
-    ends = [place.lower() + (place.upper() - place.lower()) * k / PIECES for k in range(PIECES)] + [place.upper()]
-    return balls.run_assuming(name, "segment", [(row, a.union(b)) for a, b in pairwise(ends)], **given)
+@dataclass(frozen=True)
+class _CallCalculator:
+    """Calculates arguments and results of calls of the emitted functions, in balls that hold every rounding."""
+
+    task: Task
+    design: Design
+    program: Program
+    balls: Enclosure
+
+    def call(self, name: str, plan: CallPlan, k: int) -> _Call:
+        """Return call k of the function `name`. Raises `BadInput` where rounding leaves status or u too uncertain."""
+        scalar = self.program.scalar
+        part = Fraction(1, self.design.parts or PARTS)
+        inputs, tube, filtered_tube = self._time([plan.begin + share * part for share in self._shares_in_segment], k)
+        inputs["x"] = [round_to(value, scalar) for value in _state_at(tube, plan.position.x, k)]
+        if filtered_tube is not None:
+            filtered_state = _state_at(filtered_tube, plan.position.filtered, k + 1)
+            components = zip(filtered_state, self.design.filter, inputs["x"], strict=True)
+            inputs["v"] = [round_to(z - rate * x, scalar) for z, rate, x in components]
+        tick = None
+        if name == "control_tick":
+            assert self.task.emit.tick_period is not None
+            tick = max(0, int(inputs.pop("t") / self.task.emit.tick_period))
+        input_balls = {key: _balls(v) for key, v in inputs.items()} | ({} if tick is None else {"tick": tick})
+        outputs, statuses = self._run(name, input_balls)
+        is_limited = self.task.order == 2 and name == "control" and plan.position == NEAR_MIDDLE
+        if len(statuses) != 1 or not all(_is_certain(u, is_limited) for u in outputs["u"]):
+            use_double = 'use emit.scalar = "double", ' if scalar == "float" else ""
+            raise BadInput(
+                f"emit.selftest: a {scalar} rounds too much to tell u, so far from the origin or in so narrow a tube; "
+                f"{use_double}put the origin near the task, or leave it out"
+            )
+        (status,) = statuses
+        return _Call(inputs, tick, status, outputs["u"])
+
+    def _run(self, name: str, inputs: dict[str, Any]) -> tuple[dict[str, list[arb]], Any]:
+        """Return u and the statuses.
+
+        Of order 2 a slope is a small difference of large terms. All of them depend on t's share of its segment, which balls
+        forget; so that share is taken in pieces. A tick gives it so exactly that there is no need.
+        """
+        if self.task.order == 1 or name != "control":
+            return self.balls.run(name, **inputs)
+        row, share = self.balls.kernel("segment", inputs["t"])
+        ends = [share.lower() + (share.upper() - share.lower()) * k / PIECES for k in range(PIECES)] + [share.upper()]
+        return self.balls.run_assuming(name, "segment", [(row, a.union(b)) for a, b in pairwise(ends)], **inputs)
+
+    @cached_property
+    def _shares_in_segment(self) -> Sequence[Fraction]:
+        """Return SHARES_IN_SEGMENT, for order 2 those first at which a wrong table entry moves the filtered edges the most.
+
+        An entry moves a filtered edge by the edge's rate and by lambda times the edge, and at some shares the two cancel.
+        """
+        if not self.design.filter:
+            return SHARES_IN_SEGMENT
+        per_second = float(Fraction(self.design.parts or PARTS) / self.design.prescribed_time)
+
+        def smallest_effect(share: Fraction) -> float:
+            weights, rates = ([float(w.mid()) for w in self.balls.kernel(name, ball(share))] for name in ("basis", "basis_rate"))
+            return min(
+                abs(per_second * rate + float(value) * weight)
+                for value in self.design.filter
+                for weight, rate in zip(weights, rates, strict=True)
+            )
+
+        return sorted(SHARES_IN_SEGMENT, key=smallest_effect, reverse=True)
+
+    def _time(self, shares: Sequence[Fraction], k: int) -> tuple[dict[str, Any], Edges, Edges | None]:
+        """Return the time (and alpha) of call k, the tube's edges then, and for order 2 those of the filtered tube.
+
+        shares: of t_c, to be tried in order: one too near to a knot, where rounding leaves two segments possible, is passed over.
+        """
+        names = ["tube"] if self.task.order == 1 else ["tube", "filtered_tube"]
+        for share in shares:
+            inputs: dict[str, Any] = {"t": round_to(self.task.prescribed_time * share, self.program.scalar)}
+            if any(p.name == "alpha" for p in self.program.function("control").params):
+                inputs["alpha"] = [Fraction(k % 4, 8)] * (2 * self.program.dimension)
+            tubes = [self.balls.run(name, **{key: _balls(v) for key, v in inputs.items()})[0] for name in names]
+            if all(edge.rad() < DECIDED_RADIUS * (1 + abs(edge.mid())) for pair in tubes[0].values() for edge in pair):
+                break
+        return inputs, tubes[0], tubes[1] if len(tubes) > 1 else None
 
 
-def _places(design: Design, balls: Enclosure) -> Sequence[Fraction]:
-    """PLACES. For order 2 the best first: a table entry moves a filtered edge by the edge's rate and by lambda times the edge,
-    and at some places in a segment the two cancel, so that a wrong entry is not seen there."""
-    if not design.filter:
-        return PLACES
-    per_second = float(Fraction(design.parts or PARTS) / design.prescribed_time)
-
-    def least_seen(place: Fraction) -> float:
-        weights, rates = ([float(w.mid()) for w in balls.kernel(name, ball(place))] for name in ("basis", "basis_rate"))
-        return min(
-            abs(per_second * rate + float(value) * weight)
-            for value in design.filter
-            for weight, rate in zip(weights, rates, strict=True)
-        )
-
-    return sorted(PLACES, key=least_seen, reverse=True)
+def _is_certain(u: arb, is_limited: bool) -> bool:
+    """Whether u is finite and, if its radius is limited, known well enough that a wrong table entry is noticed."""
+    return bool(u.is_finite() and not (is_limited and u.rad() > LARGEST_RELATIVE_RADIUS * abs(u.mid())))
 
 
-def _time(
-    task: Task, program: Program, balls: Enclosure, shares: Sequence[Fraction], k: int
-) -> tuple[dict[str, Any], Edges, Edges | None]:
-    """Time (and alpha) of vector k, the tube's edges there, and for order 2 the filtered tube's: the first of these shares of
-    the time that is not so near to a knot that either segment may be taken, which shows in the tube."""
-    names = ["tube"] if task.order == 1 else ["tube", "filtered_tube"]
-    for share in shares:
-        given: dict[str, Any] = {"t": round_to(task.prescribed_time * share, program.scalar)}
-        if any(p.name == "alpha" for p in program.function("control").params):
-            given["alpha"] = [Fraction(k % 4, 8)] * (2 * program.dimension)
-        tubes = [balls.run(name, **{key: _balls(v) for key, v in given.items()})[0] for name in names]
-        if all(edge.rad() < TIGHT * (1 + abs(edge.mid())) for pair in tubes[0].values() for edge in pair):
-            break
-    return given, tubes[0], tubes[1] if len(tubes) > 1 else None
-
-
-def _standing(edges: Edges, share: Fraction | None, k: int) -> list[Fraction]:
-    """By component, what stands at this share of the way from the lower edge to the upper one, or near the middle."""
-    found = []
+def _state_at(edges: Edges, share: Fraction | None, k: int) -> list[Fraction]:
+    """Return the state at this share of the way from the lower edge to the upper one, or near the middle as of call k."""
+    state = []
     for i, (a, b) in enumerate(zip(edges["lower"], edges["upper"], strict=True)):
-        first, last = Fraction(float(a.mid())), Fraction(float(b.mid()))
-        found.append(first + (CALM[(k + i) % len(CALM)] if share is None else share) * (last - first))
-    return found
+        lower, upper = Fraction(float(a.mid())), Fraction(float(b.mid()))
+        state.append(lower + (MIDDLE_SHARES[(k + i) % len(MIDDLE_SHARES)] if share is None else share) * (upper - lower))
+    return state
 
 
 def _balls(value: Fraction | Sequence[Fraction]) -> Any:
     return ball(value) if isinstance(value, Fraction) else [ball(v) for v in value]
 
 
-def _outward(u: arb, scalar: str, side: int) -> Fraction:
-    """The end of a ball, rounded outward to the scalar: two units past the nearest number to the end."""
+def _rounded_outward(u: arb, scalar: str, side: int) -> Fraction:
+    """Return the upper end (side 1) or lower end (-1) of a ball, moved outward by two units past the nearest number."""
     nearest = round_to(Fraction(float(u.upper() if side > 0 else u.lower())), scalar)
     if nearest == 0 and u.contains(0) and u.is_exact():
         return nearest

@@ -1,4 +1,4 @@
-"""Axes that close in emitted files: the notice of every file, and what the templates place of <p>_unwrap."""
+"""Axes that close in emitted files: sentences for the notice of every file, and the names that templates of <p>_unwrap read."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stt_codegen.task import Task
 
 
 def turns_notice(task: Task) -> list[str]:
-    """What the guarantee is about, where axes close."""
+    """Return the lines that say what the guarantee is about where axes close."""
     if not task.closed_axes:
         return []
     periods = [f"{task.axis_names[a.index]} after {decimal(a.period)}" for a in task.closed_axes]
@@ -21,7 +21,7 @@ def turns_notice(task: Task) -> list[str]:
 
 
 def _target_turns(task: Task) -> str:
-    """Where the middle of the target is taken in these axes, as part of a sentence."""
+    """Return the middle of the target in these axes, as part of a sentence."""
     if task.target_set is None:
         return ""
     middles = ((a.index, (task.target.lower[a.index] + task.target.upper[a.index]) / 2) for a in task.closed_axes)
@@ -29,8 +29,8 @@ def _target_turns(task: Task) -> str:
 
 
 def unwrapping(task: Task, scalar: str) -> dict[str, Any]:
-    """What the templates place for axes that close: periods as the C has them, the largest step, the error of unwrapping."""
-    end = "F" if scalar == "float" else ""
+    """Return what templates read about axes that close: periods as in the C, the largest step, the error of unwrapping."""
+    suffix = "F" if scalar == "float" else ""
     numbers = {"fewest": -1000, "most": 1000, "zero": 0, "down": -0.5, "up": 0.5}
     axes = [
         {
@@ -38,15 +38,15 @@ def unwrapping(task: Task, scalar: str) -> dict[str, Any]:
             "number": axis.index + 1,
             "name": task.axis_names[axis.index],
             "period": Const(round_to(axis.period, scalar)),
-            "period_told": decimal(axis.period),
+            "period_text": decimal(axis.period),
             "step": f"{below(axis.largest_step):g}",
-            **{name: f"{float(value)!r}{end}" for name, value in numbers.items()},
+            **{name: f"{float(value)!r}{suffix}" for name, value in numbers.items()},
         }
         for axis in task.closed_axes
     ]
-    first = ", ".join(map(decimal, task.initial_state))
-    wrong = max((axis.unwrap_error for axis in task.closed_axes), default=Fraction(0))
+    initial_state = ", ".join(map(decimal, task.initial_state))
+    unwrap_error = max((axis.unwrap_error for axis in task.closed_axes), default=Fraction(0))
     return {
-        "closed": axes, "first_state": f"the initial state, {first}", "unwrap_error": f"{above(wrong, 2):g}",
+        "closed": axes, "first_state": f"the initial state, {initial_state}", "unwrap_error": f"{above(unwrap_error, 2):g}",
         "noise_raised": bool(task.closed_axes) and task.control.period is not None,
     }  # fmt: skip

@@ -18,8 +18,8 @@ from stt_codegen.emit import (
     guard_name,
     phase_name,
     selftest_name,
+    selftest_suites,
     spelled_name,
-    suites,
     unwrap_name,
     wrap_name,
 )
@@ -128,7 +128,7 @@ def _of_language(target: TargetLanguage, controller: EmittedController) -> Files
     if layout.selftest is not None:
         path, name = layout.selftest
         with suppress(BadInput):  # rounding hides u: a package without tests
-            test_suites = suites(task, controller.design, controller.program)
+            test_suites = selftest_suites(task, controller.design, controller.program)
             files[path] = template(f"{target.key}/{name}").render(**words, suites=test_suites).encode()
     _, _, module, proof = file_names(task.name)
     files |= {

@@ -14,7 +14,7 @@ from stt_codegen import reference
 from stt_codegen.certify import checker
 from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.designs.refined import RefinedDesign
-from stt_codegen.emit.selftest import suites
+from stt_codegen.emit.selftest import selftest_suites
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.nodes import Status
@@ -167,7 +167,7 @@ def test_of_order_2_either_tube_is_left_alone_and_a_status_says_so(text: str, ti
     assert isinstance(design, RefinedDesign)
     table, t_c = design.integers(), design.prescribed_time
     value = np.array([float(v) for v in design.filter])
-    for suite in suites(controller.task, design, controller.program):
+    for suite in selftest_suites(controller.task, design, controller.program):
         points = np.array([float(v) for v in suite.points.values]).reshape(-1, suite.points.row)
         t = np.array(suite.ticks) * 0.001 if suite.ticks else points[:, 0]
         x, v = points[:, -2 * n : -n], points[:, -n:]
@@ -189,7 +189,7 @@ def test_of_order_2_either_tube_is_left_alone_and_a_status_says_so(text: str, ti
 @pytest.mark.parametrize("text", [SECOND, DRONE], ids=["order 2", "drone"])
 def test_of_order_2_a_float_tells_u_to_less_than_a_hundredth(text: str) -> None:
     controller = selftested(text)
-    (suite,) = suites(controller.task, controller.design, controller.program)
+    (suite,) = selftest_suites(controller.task, controller.design, controller.program)
     low, high = (np.array([float(u) for u in table.values]) for table in (suite.low, suite.high))
     assert ((high - low) < 0.005 * np.maximum(np.abs(low), np.abs(high))).all()
 
