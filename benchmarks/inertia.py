@@ -31,8 +31,8 @@ from stt_codegen.design.arena import arena_of, normalise, starting_box
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.routes.shortest_route import shortest_route
 from stt_codegen.errors import MissingTool, NotCertified
-from stt_codegen.loop.command import within_bounds
-from stt_codegen.loop.simulate import KINDS, Loop, Scenario, starts
+from stt_codegen.loop.command import corner_plants
+from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario, random_start
 from stt_codegen.pipeline import EmittedController, build_program, build_task, certify, design_tube
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task.load import load_task
@@ -131,13 +131,13 @@ def failures(controller: EmittedController, seconds: float) -> str:
             loop.run(
                 Scenario(
                     rate=1 / (factor * seconds),
-                    disturbance=KINDS[1 + k % 5],
+                    disturbance=DISTURBANCES[1 + k % 5],
                     strength=float(PUSH),
                     seed=k,
-                    start=starts(controller.certificate.start, 0.9, k, k % 2 == 0),
+                    start=random_start(controller.certificate.start, 0.9, k, k % 2 == 0),
                 )
             )
-            for loop in (Loop(controller, model) for model in within_bounds(controller.task))
+            for loop in (Loop(controller, model) for model in corner_plants(controller.task))
             for k in range(10)
         ]
         percentages.append(f"{100 * sum(not r.kept for r in runs) / len(runs):.0f}")
@@ -149,13 +149,14 @@ def loops(tubes: list[EmittedController], count: int) -> tuple[str, bool]:
     pairs = [
         (controller, Loop(controller, model), Analysis(controller).period)
         for controller in tubes
-        for model in within_bounds(controller.task)
+        for model in corner_plants(controller.task)
     ]
     hit = left = run_count = 0
     for k, (controller, loop, period) in enumerate(itertools.islice(itertools.cycle(pairs), count)):
         rate = 1000.0 if period is None or k // len(pairs) % 2 else 1 / period.seconds
-        start = starts(controller.certificate.start, 0.9, k, k % 3 == 0)
-        run = loop.run(Scenario(rate=max(rate, 1.0), disturbance=KINDS[1 + k % 5], strength=float(PUSH), seed=k, start=start))
+        start = random_start(controller.certificate.start, 0.9, k, k % 3 == 0)
+        kind = DISTURBANCES[1 + k % 5]
+        run = loop.run(Scenario(rate=max(rate, 1.0), disturbance=kind, strength=float(PUSH), seed=k, start=start))
         hit, left, run_count = hit + (run.hit is not None), left + (not run.kept), run_count + 1
     return f"{run_count} closed loops in {len(tubes)} tubes: {hit} collisions, {left} tubes left", not hit and not left
 

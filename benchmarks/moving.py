@@ -285,16 +285,16 @@ def table_row(name: str, results: list[ArenaResult]) -> str:
 
 def run_loops(tubes: list[EmittedController], count: int) -> tuple[str, bool]:
     """Simulate closed loops with disturbances and wrong clocks. Return a summary, and whether all stayed in their tubes."""
-    from stt_codegen.loop.simulate import KINDS, Loop, Scenario, starts
+    from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario, random_start
     from stt_codegen.plants import PLANTS
     from stt_codegen.report.analysis import Analysis
 
     loops_of_tubes = [(Loop(controller, PLANTS["integrator"]), Analysis(controller).period, controller) for controller in tubes]
     collisions = exits = run_count = 0
     for k, (loop, period, controller) in enumerate(itertools.islice(itertools.cycle(loops_of_tubes), count)):
-        kind, clock = KINDS[1 + k % (len(KINDS) - 1)], ("late", "early", "worst")[k % 3]
+        kind, clock = DISTURBANCES[1 + k % (len(DISTURBANCES) - 1)], ("late", "early", "worst")[k % 3]
         rate = 1000.0 if period is None else max(1.0 / period.seconds, 100.0)
-        start = starts(controller.certificate.start, 0.9, k)
+        start = random_start(controller.certificate.start, 0.9, k)
         run = loop.run(
             Scenario(rate=rate, disturbance=kind, strength=0.0 if period is None else 0.05, seed=k, start=start, clock=clock)
         )

@@ -32,7 +32,7 @@ import numpy.typing as npt
 
 from benchmarks.bodies import ROBOTS, STEP
 from benchmarks.suites.report import command, machine, record, table
-from stt_codegen.loop.compiled import own
+from stt_codegen.loop.compiled import load_controller
 from stt_codegen.pipeline import build_task
 from stt_codegen.plants import plant_of
 from stt_codegen.task.load import load_task
@@ -93,7 +93,7 @@ class RobotSimulation:
         self.controller = build_task(load_task(ROOT / "tasks" / f"{name}.toml"))
         assert self.controller.certificate.holds
         self.task, self.robot = self.controller.task, ROBOTS[name]
-        self.emitted_code, n = own(self.controller), self.task.dimension
+        self.emitted_code, n = load_controller(self.controller), self.task.dimension
         self.filter = np.array([float(v) for v in self.controller.design.filter])  # lambda, 1/s
         self.plant = plant_of(str(ROOT / "tasks" / f"{name}.py"), n, 2)
         x = ca.SX.sym("x", n)

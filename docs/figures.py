@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from stt_codegen.loop.command import with_gain, with_wind
+from stt_codegen.loop.command import with_disturbance_bound, with_gain
 from stt_codegen.loop.picture import draw_figure1, draw_figure3, draw_run
-from stt_codegen.loop.simulate import Loop, Run, Scenario, of_task, starts
+from stt_codegen.loop.simulate import Loop, Run, Scenario, random_start, scenario_of_task
 from stt_codegen.pipeline import EmittedController, build
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.report.analysis import Analysis
@@ -24,14 +24,14 @@ SHARE = 0.9  # of gamma(0): where runs begin
 def driven(name: str) -> tuple[EmittedController, list[Run]]:
     """A certified tube with the gain that `--gain best` takes, and runs from all over the initial set under every disturbance."""
     controller = build(TASKS / f"{name}.toml")
-    best = choose_proved_gain(Analysis(controller, with_wind(INTEGRATOR, WIND)).sampled_loop, 1 / RATE)
+    best = choose_proved_gain(Analysis(controller, with_disturbance_bound(INTEGRATOR, WIND)).sampled_loop, 1 / RATE)
     assert best is not None
     controller = with_gain(controller, best[0].tolist())
     loop = Loop(controller, INTEGRATOR)
     kinds = ("constant", "sinusoidal", "random", "nearest", "outward")
     runs = []
     for seed, kind in enumerate(2 * kinds):
-        start = starts(controller.certificate.start, SHARE, seed)
+        start = random_start(controller.certificate.start, SHARE, seed)
         runs.append(loop.run(Scenario(rate=RATE, disturbance=kind, strength=WIND, seed=seed, start=start), trace=True))
     return controller, runs
 
@@ -41,10 +41,10 @@ def robot(name: str, *axes: str) -> None:
     controller = build(TASKS / f"{name}.toml")
     task, file = controller.task, TASKS / f"{name}.py"
     plant = plant_of(str(file) if file.exists() else "integrator", task.dimension, task.order)
-    start = starts(controller.certificate.start, 0.99 * float(task.initial_set.share), 2, corner=True)
+    start = random_start(controller.certificate.start, 0.99 * float(task.initial_set.share), 2, corner=True)
     strength = float(plant.w_max or task.disturbance_bound)
     run = Loop(controller, plant).run(
-        Scenario(disturbance="outward", strength=strength, seed=2, start=start, **of_task(task)), trace=True
+        Scenario(disturbance="outward", strength=strength, seed=2, start=start, **scenario_of_task(task)), trace=True
     )
     draw_run(controller, run, HERE / f"{name}.png", [plane_named(task, text) for text in axes])
 

@@ -580,14 +580,14 @@ class Controller(pipeline.EmittedController):
         >>> build("tasks/omni_s2.toml").simulate(rate=1000).good
         True
         """
-        from stt_codegen.loop import Loop, Scenario, of_task
+        from stt_codegen.loop import Loop, Scenario, scenario_of_task
         from stt_codegen.plants import plant_of
 
         model = plant_of(plant, self.task.dimension, self.task.order) if isinstance(plant, str) else plant
         if not all(hasattr(model, name) for name in ("name", "f", "g", "w_max", "dimension", "order", "constants", "mixing")):
             raise BadInput(f"plant: is a {type(plant).__name__}; a name, a Python file or a `stt_codegen.plants.Plant` is needed")
         try:
-            conditions = Scenario(**{**of_task(self.task), **scenario})
+            conditions = Scenario(**{**scenario_of_task(self.task), **scenario})
         except TypeError:
             known = [field.name for field in fields(Scenario)]
             unknown = [name for name in scenario if name not in known] or list(scenario)

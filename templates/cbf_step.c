@@ -1,5 +1,5 @@
 /* A control barrier function filter, solved at every step by OSQP's generated C, beside our emitted step (-DOWN): both in
- * closed loop with xdot = u for 9 s, timed in one process. Reads the boxes' edges; benchmarks/peers/barrier.py says the rest.
+ * closed loop with xdot = u for 9 s, timed in one process. Reads the edges of the boxes. benchmarks/peers/barrier.py compiles it.
  *
  * Prints for each: seconds a step, whether the state ends in the target, whether it was ever inside a box, steps without
  * a solution.
@@ -31,20 +31,20 @@ static double wind; /* |w| that the filter allows for: xdot = u + w */
 /* h and its gradient: a smooth lower bound of the distance max_i(|x_i - centre_i| - radius_i), so h >= 0 is outside. */
 static double barrier(double edges[N][2], const double x[N], double gradient[N])
 {
-    double away[N], most = -HUGE_VAL, sum = 0.0;
+    double distance[N], largest = -HUGE_VAL, sum = 0.0;
     for (int i = 0; i < N; i++) {
-        away[i] = fabs(x[i] - 0.5 * (edges[i][0] + edges[i][1])) - 0.5 * (edges[i][1] - edges[i][0]);
-        most = fmax(most, away[i]);
+        distance[i] = fabs(x[i] - 0.5 * (edges[i][0] + edges[i][1])) - 0.5 * (edges[i][1] - edges[i][0]);
+        largest = fmax(largest, distance[i]);
     }
     for (int i = 0; i < N; i++) {
-        gradient[i] = exp(SHARPNESS * (away[i] - most));
+        gradient[i] = exp(SHARPNESS * (distance[i] - largest));
         sum += gradient[i];
     }
     for (int i = 0; i < N; i++) gradient[i] *= (x[i] < 0.5 * (edges[i][0] + edges[i][1]) ? -1.0 : 1.0) / sum;
-    return most + log(sum / N) / SHARPNESS;
+    return largest + log(sum / N) / SHARPNESS;
 }
 
-/* The input nearest to the nominal one that keeps every barrier: min |u - nominal|^2, gradient . (u + w) >= -CLASS_K h for all w. */
+/* Writes the input nearest to the nominal one that satisfies every barrier condition: min |u - nominal|^2, gradient . (u + w) >= -CLASS_K h for all w. */
 static int filter_step(double t, const double x[N], double u[N])
 {
     OSQPFloat q[N], rows[N * (BOXES + 1)], lower[ROWS], upper[ROWS]; /* rows: by column, the boxes and then the bound */
@@ -105,12 +105,12 @@ static int inside(double edges[N][2], const double x[N])
     return 1;
 }
 
-/* One closed loop. The states are kept and judged after the clock has stopped; judging them keeps every result alive. */
+/* One closed loop. States are judged after the clock has stopped; since they are, no compiler removes a step. */
 static outcome closed_loop(int (*step)(double, const double[N], double[N]))
 {
     static double path[STEPS + 1][N];
     struct timespec begin, end;
-    outcome result = {0.0, 1, 0};
+    outcome result = {0.0, 1, 0}; /* reached, until it is not */
     for (int i = 0; i < N; i++) path[0][i] = 0.5 * END;
     clock_gettime(CLOCK_MONOTONIC, &begin);
     for (int k = 0; k < STEPS; k++) {
@@ -126,7 +126,7 @@ static outcome closed_loop(int (*step)(double, const double[N], double[N]))
     return result;
 }
 
-/* The quickest of the rounds: what disturbs the machine only ever adds. */
+/* Prints the quickest of the rounds, since any other work of the machine only adds time. */
 static void report(const char *name, int (*step)(double, const double[N], double[N]))
 {
     outcome best = closed_loop(step);

@@ -25,8 +25,8 @@ PUBLIC = ("stt_codegen.api", "stt_codegen.paper")  # the Python interface and th
 
 # What is used, though no source that mypy checks reads it: by class and member, and by whom.
 USED_ELSEWHERE = {
-    "Judged._fields_": "ctypes",
-    "Setting._fields_": "ctypes",
+    "LoopResult._fields_": "ctypes",
+    "LoopSetting._fields_": "ctypes",
     "BezierTube.bezier": "a method that this class borrows",
     "BezierTube.largest_steps": "the windows of a design",
     "TaskNumbers.emitted_u_max": "the law of a task",
@@ -36,7 +36,7 @@ USED_ELSEWHERE = {
 
 # Names that two or more classes have today. A name leaves the list when its classes are renamed, and none is added.
 REPEATED = """
-    Filter Frame Loop Row Table _Reader _Walk
+    Filter Frame Row
 """
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.loop.compiled import Own
+from stt_codegen.loop.compiled import LoadedController
 from stt_codegen.program.targets.c.runner import find_compiler
 from stt_codegen.program.targets.template_files import template, template_folder
 from stt_codegen.program.targets.toolchain import run_compiler
@@ -21,7 +21,7 @@ ROUNDS = 5
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC")
 
 
-def held(source: str, n: int, hertz: float, tube: object, real: str = "float", linked: Sequence[str] = ()) -> Own:
+def held(source: str, n: int, hertz: float, tube: object, real: str = "float", linked: Sequence[str] = ()) -> LoadedController:
     """A C text with `static int decide(real t, const real *x, real *u)`, called so many times a second and held between.
 
     tube: edges that the loop measures margins by, of ours; linked: more arguments for the compiler. Raises `MissingTool` without
@@ -33,7 +33,7 @@ def held(source: str, n: int, hertz: float, tube: object, real: str = "float", l
         made = f"{folder}/other.so"
         run_compiler([find_compiler(), *FLAGS, f"{folder}/other.c", *linked, "-o", made, "-lm"])
         library = ctypes.CDLL(made)
-    return Own(step=library.other_step, tube=tube, advance=None, start=library.other_start, library=library)
+    return LoadedController(step=library.other_step, tube=tube, advance=None, start=library.other_start, library=library)
 
 
 def as_control(p: str, source: str) -> str:
@@ -45,7 +45,7 @@ def as_control(p: str, source: str) -> str:
     )
 
 
-def seconds_a_step(own: Own, rows: npt.NDArray[Any]) -> float:
+def seconds_a_step(own: LoadedController, rows: npt.NDArray[Any]) -> float:
     """How long the controller takes, called once at every row of t and x: the quickest of ROUNDS, for what disturbs a
     machine only ever adds."""
     table, found = np.ascontiguousarray(rows, dtype=float), []

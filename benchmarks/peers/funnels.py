@@ -21,7 +21,7 @@ import numpy as np
 from benchmarks.peers.driven import held
 from benchmarks.peers.optional import need
 from benchmarks.suites.families import BOX, Array, Family
-from stt_codegen.loop.compiled import Own
+from stt_codegen.loop.compiled import LoadedController
 from stt_codegen.program.targets.template_files import template
 
 CLEARANCES = (0.25, 0.2, 0.15, 0.1, 0.075, 0.05)
@@ -55,7 +55,7 @@ def grid_way(family: Family, squares: Array, cells: int, off: float = 0.0) -> Ar
     return None if path is None else axis[path]
 
 
-def funnel(family: Family, squares: Array, tube: object) -> Own | None:
+def funnel(family: Family, squares: Array, tube: object) -> LoadedController | None:
     """The controller for the loops; tube: what margins are told by. None where there is no way."""
     found = way(family, squares)
     if found is None:

@@ -24,9 +24,9 @@ from benchmarks.peers.predictive import predictive
 from benchmarks.peers.symbolic import Abstraction, synthesize
 from benchmarks.suites.families import BOX, FAMILIES, Array, Family, arena_task, cubes
 from stt_codegen.errors import NotCertified
-from stt_codegen.loop.command import with_wind
-from stt_codegen.loop.compiled import Own, own
-from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
+from stt_codegen.loop.command import with_disturbance_bound
+from stt_codegen.loop.compiled import LoadedController, load_controller
+from stt_codegen.loop.simulate import Loop, Run, Scenario, random_start
 from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.plants import PLANTS
 
@@ -54,10 +54,10 @@ class Ground:
     @property
     def tube(self) -> Callable[..., object]:
         """`loop_own_tube` of ours."""
-        found: Callable[..., object] = self.loop.own.tube
+        found: Callable[..., object] = self.loop.loaded.tube
         return found
 
-    def with_step(self, other: Own | None) -> Ready | None:
+    def with_step(self, other: LoadedController | None) -> Ready | None:
         return None if other is None else (Loop(self.loop.controller, self.loop.plant, other), self.scenarios)
 
 
@@ -82,7 +82,9 @@ def _barrier(told: bool, ground: Ground) -> Ready | None:
     library, edges = filter_library(FAMILY.count, FAMILY.dimension, FAMILY.side), np.ascontiguousarray(ground.squares)
     allowed = ctypes.c_double(ground.w_max if told else 0.0)
     refill = partial(_refill, library, edges, allowed)
-    return ground.with_step(Own(step=library.filter_next, tube=ground.tube, advance=None, start=refill, library=library))
+    return ground.with_step(
+        LoadedController(step=library.filter_next, tube=ground.tube, advance=None, start=refill, library=library)
+    )
 
 
 def _refill(library: ctypes.CDLL, edges: Array, allowed: ctypes.c_double) -> None:
@@ -135,21 +137,21 @@ def drive(policy: Policy, family: Family, seed: int) -> tuple[tuple[Run, ...], f
     """A policy alone in an arena, certified or not: ten runs from the whole initial set, and seconds a decision."""
     task = arena_task(family, seed).with_options("literal")
     frame = build_task(task, uncertified=True)  # for its sets; "outward" is from its tube's middle
-    plant = with_wind(PLANTS["integrator"], W_MAX)
-    edges = own(frame).tube
+    plant = with_disturbance_bound(PLANTS["integrator"], W_MAX)
+    edges = load_controller(frame).tube
     loop = Loop(frame, plant, held(policy.source(cubes(family, seed)), 2, HERTZ, edges))
     box = [(Fraction(0), Fraction(BOX))] * 2
     runs = [
         loop.run(
             Scenario(
                 rate=1000.0, disturbance=kind, strength=0.0 if kind == "none" else W_MAX, seed=1000 * seed + k,
-                start=starts(box, 0.9, 1000 * seed + k, corner=k % 2 == 1) if k else None,
+                start=random_start(box, 0.9, 1000 * seed + k, corner=k % 2 == 1) if k else None,
             )
         )
         for k, kind in enumerate(DISTURBANCES)
     ]  # fmt: skip
     rows = np.array([[0.05 * k, 4.5 * k / 180 + 0.25, 4.5 * k / 180 + 0.25] for k in range(180)])
-    return tuple(runs), seconds_a_step(loop.own, rows)
+    return tuple(runs), seconds_a_step(loop.loaded, rows)
 
 
 # ------------------------------------------------------------------------------------------------ who

@@ -22,7 +22,7 @@ import numpy as np
 from benchmarks.peers.driven import held
 from benchmarks.peers.quadratic import generated_solver, includes
 from benchmarks.suites.families import BOX, Array, Family
-from stt_codegen.loop.compiled import Own
+from stt_codegen.loop.compiled import LoadedController
 from stt_codegen.program.targets.template_files import template
 
 STEPS, STEP = 20, 0.05
@@ -49,7 +49,7 @@ def _generated(soft: float) -> tempfile.TemporaryDirectory[str]:
     return generated_solver(*program(soft), "vectors", "mpc_", eps_abs=1e-3, eps_rel=1e-3)
 
 
-def predictive(family: Family, squares: Array, tube: Callable[..., object], with_tube: bool) -> Own:
+def predictive(family: Family, squares: Array, tube: Callable[..., object], with_tube: bool) -> LoadedController:
     """The controller for the loops. tube: `loop_own_tube` of our controller, whose edges it follows or that margins are told
     by."""
     kind = "tube" if with_tube else "goal"

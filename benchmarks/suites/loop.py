@@ -22,8 +22,8 @@ from benchmarks.peers.policy import HERTZ
 from benchmarks.suites.families import FAMILIES, arena_task
 from benchmarks.suites.report import number
 from stt_codegen.errors import NotCertified
-from stt_codegen.loop.command import with_gain, with_wind
-from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
+from stt_codegen.loop.command import with_disturbance_bound, with_gain
+from stt_codegen.loop.simulate import Loop, Run, Scenario, random_start
 from stt_codegen.pipeline import EmittedController, build_program, certify, design_tube
 from stt_codegen.plants import PLANTS
 from stt_codegen.report.analysis import Analysis
@@ -66,7 +66,7 @@ class Outcome:
 def run(job: Job) -> Outcome:
     """Design, prove, compile and run one arena."""
     task = arena_task(FAMILIES["paper"], job.seed)
-    plant = with_wind(PLANTS["integrator"], job.w_max)
+    plant = with_disturbance_bound(PLANTS["integrator"], job.w_max)
     try:
         controller = _tube_of(task)
     except NotCertified as error:
@@ -107,7 +107,7 @@ def scenarios_of(job: Job, controller: EmittedController, e: float) -> tuple[Sce
     found = []
     for k in range(job.runs):
         kind = DISTURBANCES[k % len(DISTURBANCES)]
-        start = starts(controller.certificate.start, e, 1000 * job.seed + k, corner=k % 2 == 1) if k else None
+        start = random_start(controller.certificate.start, e, 1000 * job.seed + k, corner=k % 2 == 1) if k else None
         strength = 0.0 if kind == "none" else job.w_max
         found.append(Scenario(rate=job.rate, disturbance=kind, strength=strength, seed=1000 * job.seed + k, start=start))
     return tuple(found)
@@ -117,14 +117,14 @@ def _peers(job: Job, ours: Loop, scenarios: Sequence[Scenario]) -> tuple[dict[st
     """The same scenarios for everyone of `contenders`, and how long a step of each takes."""
     if not job.peers:
         return {}, {}
-    runs, steps = {}, {"own": seconds_a_step(ours.own, _way_of(ours, 1 / HERTZ))}
+    runs, steps = {}, {"own": seconds_a_step(ours.loaded, _way_of(ours, 1 / HERTZ))}
     for contender in contenders(job.policies):
         if contender.first is not None and job.seed >= contender.first:
             continue
         ready = contender.make(Ground(job.seed, job.w_max, ours, scenarios))
         runs[contender.name] = () if ready is None else tuple(map(ready[0].run, ready[1]))
-        if ready is not None and ready[0].own.advance is None:
-            steps[contender.name] = seconds_a_step(ready[0].own, _way_of(ours, contender.period))
+        if ready is not None and ready[0].loaded.advance is None:
+            steps[contender.name] = seconds_a_step(ready[0].loaded, _way_of(ours, contender.period))
     return runs, steps
 
 

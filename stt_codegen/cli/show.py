@@ -249,7 +249,7 @@ def show_run(report: RunReport) -> None:
     if report.fulfilled and not run.kept:
         tube += "; the task was met without a guarantee"
     console.print(f"  tube: {tube}; |e| up to {_numbers(run.e)}; |u| up to {_numbers(run.u)}")
-    for line in report.foretold:
+    for line in report.proof_lines:
         console.print(f"  beforehand: {line}")
     for path in report.files:
         console.print(f"  {path}")

@@ -13,7 +13,8 @@ import numpy as np
 
 from stt_codegen.decimals import by_component
 from stt_codegen.errors import BadInput
-from stt_codegen.loop.simulate import Loop, Run, Scenario, csv, of_task
+from stt_codegen.loop.simulate import Loop, Run, Scenario, scenario_of_task
+from stt_codegen.loop.traces import trace_csv
 from stt_codegen.pipeline import EmittedController, build_program, certify, render_files
 from stt_codegen.plants import Model, Plant, plant_of
 from stt_codegen.record import write_files
@@ -21,14 +22,16 @@ from stt_codegen.report import Analysis, round_down, round_up
 from stt_codegen.sampling import choose_proved_gain, prove_for_period
 from stt_codegen.task import Task
 
-BOUNDS = "bounds"  # the name of the plants within_bounds
+BOUNDS = "bounds"  # the name that --plant gives `corner_plants`
 
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """What a user asks `simulate` for; None: what the task or the plant says. As in `Scenario`; plant: a name, a file, or
-    "bounds" for the worst of the plants at the corners of [plant]; start: numbers with commas between them; gain: a number, or
-    "best"; axes: pairs of dimensions to draw in, by name with a comma between them."""
+    """The options of `simulate`; None: what the task or the plant says. Fields are as in `Scenario`, but for these:
+
+    plant: a name, a file, or "bounds" for the worst of the plants at the corners of [plant]. start: numbers with commas between
+    them. gain: a number, or "best". axes: pairs of dimensions to draw in, by name with a comma between them.
+    """
 
     plant: str = "integrator"
     rate: float | None = None
@@ -45,13 +48,13 @@ class Request:
     clock: str = "stated"
 
     def scenario(self, task: Task, plant: Model) -> Scenario:
-        """What the loop runs under. Raises `BadInput` for what is no number or no name, or a disturbance of no size."""
-        given = {"rate": self.rate, "noise": self.noise, "latency": self.latency}
-        told = of_task(task) | {name: value for name, value in given.items() if value is not None}
+        """Return the scenario of the run. Raises `BadInput` for an option that is not allowed, or a disturbance of size 0."""
+        options = {"rate": self.rate, "noise": self.noise, "latency": self.latency}
+        conditions = scenario_of_task(task) | {name: value for name, value in options.items() if value is not None}
         strength = self.w_max if self.w_max is not None else float(plant.w_max or task.disturbance_bound)
         scenario = Scenario(
             disturbance=self.disturbance, strength=strength, seed=self.seed, lost=self.lost, clock=self.clock,
-            lag=self.lag, **told,
+            lag=self.lag, **conditions,
         )  # fmt: skip
         if self.w_max and self.disturbance == "none":
             raise BadInput(f"--w-max {self.w_max:g}: of which disturbance? give --disturbance, for example nearest")
@@ -64,27 +67,28 @@ class Request:
 
 @dataclass(frozen=True, kw_only=True)
 class RunReport:
-    """What came of a loop, and what had been proved for it beforehand; files: what was written."""
+    """The result of a closed loop, and lines that say what was proved for it beforehand; files: paths of trace and picture."""
 
     controller: EmittedController
     plant: str
     scenario: Scenario
     run: Run
-    foretold: tuple[str, ...]
+    proof_lines: tuple[str, ...]
     files: tuple[str, ...]
 
     @property
     def fulfilled(self) -> bool:
+        """Whether the run fulfilled the task."""
         return self.run.good
 
     @property
-    def _unsaid(self) -> set[str]:
-        """What of a run is no data, or not asked for."""
-        unsaid = {"trace"} | (set() if self.controller.task.control.outside == "hold" else {"waited"})
-        return unsaid | (set() if self.controller.task.mission else {"missed"})
+    def _omitted_fields(self) -> set[str]:
+        """Fields of a run that the document leaves out: the trace, and those that do not apply to the task."""
+        omitted = {"trace"} | (set() if self.controller.task.control.outside == "hold" else {"waited"})
+        return omitted | (set() if self.controller.task.mission else {"missed"})
 
     def document(self) -> dict[str, Any]:
-        """The report as JSON data."""
+        """Return the report as JSON data."""
         s = self.scenario
         return {
             "task": self.controller.task.name,
@@ -102,86 +106,116 @@ class RunReport:
             "seed": s.seed,
             "fulfilled": self.run.good,
             "kept": self.run.kept,
-            **{name: _numbers_or_null(value) for name, value in asdict(self.run).items() if name not in self._unsaid},
-            "foretold": list(self.foretold),
+            **{name: _numbers_or_null(value) for name, value in asdict(self.run).items() if name not in self._omitted_fields},
+            "foretold": list(self.proof_lines),
             "files": list(self.files),
         }
 
 
 def simulate(controller: EmittedController, request: Request, out: Path | None) -> RunReport:
-    """One run; its trace and picture go to the folder `out`, where one is named."""
+    """Run a closed loop; its trace and picture go to the folder `out`, where one is named.
+
+    Of several plants (--plant bounds) the report is about the run with the worst result.
+    """
     task = controller.task
-    models = within_bounds(task) if request.plant == BOUNDS else [plant_of(request.plant, task.dimension, task.order)]
-    if request.plant == BOUNDS and request.disturbance == "none" and models[0].w_max:
-        request = replace(request, disturbance="outward")
-    if request.clock != "stated" and not any(c is not None for c in task.courses):
-        raise BadInput(f"--clock {request.clock}: no unsafe set of the task moves or has hours; leave it out")
-    scenario = request.scenario(task, models[0])
-    if request.plant == BOUNDS:
-        forces = [float(b.force) for b in task.plant_bounds]
-        scenario = replace(scenario, shares=tuple(v / max(*forces, 1e-300) for v in forces))
-    if request.plant == BOUNDS and scenario.strength > float(models[0].w_max):
-        raise BadInput(f"--w-max {scenario.strength:g}: is beyond [plant], whose f_max + w_max is {float(models[0].w_max):g}")
-    windy = None if request.plant == BOUNDS else with_wind(models[0], scenario.strength)
+    is_at_bounds = request.plant == BOUNDS
+    models = corner_plants(task) if is_at_bounds else [plant_of(request.plant, task.dimension, task.order)]
+    scenario = _scenario_of(request, task, models[0])
+    plant = None if is_at_bounds else with_disturbance_bound(models[0], scenario.strength)
     if request.gain is not None:
-        analysis = Analysis(controller, windy, scenario.noise, scenario.latency)
+        analysis = Analysis(controller, plant, scenario.noise, scenario.latency)
         controller = with_gain(controller, _gain(request.gain, analysis, scenario.age))
     runs = [(model.name, Loop(controller, model).run(scenario, trace=out is not None)) for model in models]
-    name, run = min(runs, key=lambda one: (one[1].good, one[1].margin))
+    name, run = min(runs, key=lambda named_run: (named_run[1].good, named_run[1].margin))
     written = () if out is None else tuple(write_run(controller, run, out, request.axes, scenario.clock))
     return RunReport(
         controller=controller,
         plant=name,
         scenario=scenario,
         run=run,
-        foretold=tuple(foretold(controller, windy, scenario)),
+        proof_lines=tuple(describe_proof(controller, plant, scenario)),
         files=written,
     )
 
 
+def _scenario_of(request: Request, task: Task, model: Model) -> Scenario:
+    """Return the scenario of a request; that of --plant bounds has the shares of w of [plant]. Raises `BadInput`."""
+    if request.plant == BOUNDS and request.disturbance == "none" and model.w_max:
+        request = replace(request, disturbance="outward")
+    if request.clock != "stated" and not any(c is not None for c in task.courses):
+        raise BadInput(f"--clock {request.clock}: no unsafe set of the task moves or has an active interval; leave it out")
+    scenario = request.scenario(task, model)
+    if request.plant != BOUNDS:
+        return scenario
+    forces = [float(b.force) for b in task.plant_bounds]
+    if scenario.strength > float(model.w_max):
+        raise BadInput(f"--w-max {scenario.strength:g}: is beyond [plant], whose f_max + w_max is {float(model.w_max):g}")
+    return replace(scenario, shares=tuple(v / max(*forces, 1e-300) for v in forces))
+
+
 def _numbers_or_null(value: Any) -> Any:
-    """JSON has no infinity and no NaN: null in their place."""
+    """Return the value with null for infinity and NaN, which JSON does not have."""
     if isinstance(value, list | tuple):
         return [_numbers_or_null(v) for v in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def within_bounds(task: Task) -> list[Plant]:
-    """Plants at the corners of what P9 is about: every g_ii the weakest or the strongest (of -g for a negative gain), every g_ij
-    as large as may be with either sign, and f counted to w, which pushes wherever the disturbance says."""
-    sign = 1 if task.gain[0] > 0 else -1
-    stated, n = task.plant_bounds, task.dimension
-    push = max(b.force for b in stated)
-    cross = [b.cross for b in stated]
-    if task.scales_input and n > 1:  # there g_min and g_max are about norms: what couples turns, and leaves g_s as it is
-        least, most = float(stated[0].g_min), float(stated[0].g_max)
-        cross = [min(c, Fraction(math.sqrt(max(most**2 - least**2, 0.0)) / (n - 1)) * Fraction(999, 1000)) for c in cross]
+def corner_plants(task: Task) -> list[Plant]:
+    """Return plants at the corners of what P9 is about.
 
-    def plant(words: str, own: list[Fraction], other: int) -> Plant:
-        def matrix(*_: Any) -> list[list[float]]:
-            def beside(i: int, j: int) -> Fraction:
-                return other * cross[i] * (-1 if task.scales_input and j < i else 1)
-
-            return [[float(sign * own[i] if i == j else beside(i, j)) for j in range(n)] for i in range(n)]
-
-        return Plant(
-            name=f"[plant], {words}",
-            dimension=None,
-            drift=lambda x, *_: [0] * x.shape[0],
-            input_matrix=matrix,
-            w_max=push,
-            order=None,
-        )
-
-    weakest, strongest = [b.g_min for b in stated], [b.g_max for b in stated]
+    Every g_ii is the weakest or the strongest (of -g for a negative gain), every g_ij as large as may be with either sign. f
+    counts as a part of w, which acts in the direction of the disturbance.
+    """
+    bounds = task.plant_bounds
+    cross = _largest_couplings(task)
+    weakest, strongest = [b.g_min for b in bounds], [b.g_max for b in bounds]
     gains = [("weakest g", weakest), ("strongest g", strongest)][: 1 + (weakest != strongest)]
     gains = gains[:1] if task.scales_input and task.is_coupled else gains
     signs = [(", coupled", 1), (", coupled the other way", -1)] if task.is_coupled else [("", 0)]
-    return [plant(word + way, own, other) for word, own in gains for way, other in signs]
+    return [
+        _plant_with_matrix(task, f"[plant], {gain_name}{coupling}", _corner_matrix(task, diagonal, cross, sign))
+        for gain_name, diagonal in gains
+        for coupling, sign in signs
+    ]
 
 
-def with_wind(plant: Model, strength: float) -> Plant:
-    """The plant with another bound on |w|."""
+def _largest_couplings(task: Task) -> list[Fraction]:
+    """Return the largest |g_ij| of each row i."""
+    bounds, n = task.plant_bounds, task.dimension
+    cross = [b.cross for b in bounds]
+    if task.scales_input and n > 1:  # g_min and g_max bound norms there: what couples turns, and leaves g_s as it is
+        g_min, g_max = float(bounds[0].g_min), float(bounds[0].g_max)
+        within_norm = Fraction(math.sqrt(max(g_max**2 - g_min**2, 0.0)) / (n - 1)) * Fraction(999, 1000)
+        cross = [min(c, within_norm) for c in cross]
+    return cross
+
+
+def _corner_matrix(task: Task, diagonal: list[Fraction], cross: list[Fraction], coupling_sign: int) -> list[list[float]]:
+    """Return g with this diagonal and couplings of this sign, with a negative sign for a negative gain, (n, n)."""
+    gain_sign, n = 1 if task.gain[0] > 0 else -1, task.dimension
+
+    def entry(i: int, j: int) -> Fraction:
+        if i == j:
+            return diagonal[i]
+        return coupling_sign * cross[i] * (-1 if task.scales_input and j < i else 1)
+
+    return [[float(gain_sign * entry(i, j)) for j in range(n)] for i in range(n)]
+
+
+def _plant_with_matrix(task: Task, name: str, matrix: list[list[float]]) -> Plant:
+    """Return a plant without drift and with a constant g; its disturbance is as large as the force that [plant] allows."""
+    return Plant(
+        name=name,
+        dimension=None,
+        drift=lambda x, *_: [0] * x.shape[0],
+        input_matrix=lambda *_: matrix,
+        w_max=max(b.force for b in task.plant_bounds),
+        order=None,
+    )
+
+
+def with_disturbance_bound(plant: Model, strength: float) -> Plant:
+    """Return the plant with another bound on |w|."""
     return Plant(
         name=plant.name,
         dimension=plant.dimension,
@@ -195,7 +229,7 @@ def with_wind(plant: Model, strength: float) -> Plant:
 
 
 def with_gain(controller: EmittedController, gain: Sequence[float]) -> EmittedController:
-    """The controller made again with other gains by component, short decimals: of the same tube, which no gain changes."""
+    """Return the controller of the same tube with other gains by component, rounded to six digits."""
     task = controller.task.with_gain([Fraction(f"{k:.6g}") for k in gain])
     program, certificate = build_program(task, controller.design), controller.certificate
     if task.control.period is not None:  # P9 is about the gain
@@ -205,8 +239,8 @@ def with_gain(controller: EmittedController, gain: Sequence[float]) -> EmittedCo
 
 
 def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
-    """What --gain says: a number for every component, or "best", which leaves the most room when samples get `age` seconds old;
-    where none is proved for that, the gain of the longest period."""
+    """Return the gain of --gain by component: a number, or for "best" the gain with the largest proved margin for samples that
+    get `age` seconds old; where none is proved for that age, the gain of the longest proved period."""
     task = analysis.controller.task
     if text == "best":
         setting, shortest = analysis.sampled_loop, analysis.shortest
@@ -228,6 +262,7 @@ def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
 
 
 def _numbers(text: str | None) -> tuple[float, ...] | None:
+    """Return the numbers of --start. Raises `BadInput`."""
     if text is None:
         return None
     try:
@@ -236,51 +271,69 @@ def _numbers(text: str | None) -> tuple[float, ...] | None:
         raise BadInput(f"--start {text}: numbers with commas between them are needed, for example 0.25,0.25") from None
 
 
-def foretold(controller: EmittedController, plant: Model | None, scenario: Scenario) -> list[str]:
-    """What `prove TASK` says of this loop before it is run; plant None: the bounds of [plant]."""
-    if not controller.certificate.tube_holds:
-        return ["the tube is not certified: nothing is proved"]
-    if scenario.lag:
-        return [f"not proved: u acts through a lag of {scenario.lag:g} s, which no statement here allows for"]
-    task, start = (
-        controller.task,
-        [float(v) for v in (controller.task.initial_state if scenario.start is None else scenario.start)],
-    )
-    if task.uses_differences and any(start[task.dimension :]):
-        return ["not proved: a velocity by differences is 0 at the first sample, so starts are at rest"]
-    if task.uses_differences and scenario.rate > (1 + 1e-9) / float(task.shortest_period):
-        return [f"not proved: samples are nearer than control.period_min = {float(task.shortest_period):g} s"]
+def describe_proof(controller: EmittedController, plant: Model | None, scenario: Scenario) -> list[str]:
+    """Return what `prove TASK` says of this loop before it is run; plant None: the bounds of [plant].
+
+    The last line says whether the loop is proved; a line before it names what the proof does not cover.
+    """
+    task = controller.task
+    start = [float(v) for v in (task.initial_state if scenario.start is None else scenario.start)]
+    problem = _problem_outside_theory(controller, scenario, start)
+    if problem is not None:
+        return [problem]
     analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)
     lines = [f"not shown: {h.statement}" for h in analysis.hypotheses() if not h.holds]
     low, high = analysis.windows.start.T
-    places = np.abs((2 * np.array(start[: controller.task.dimension]) - low - high) / (high - low))
-    if (places >= analysis.sampled_loop.law.e_max).any():
-        i = int(np.argmax(places))
-        told = f"the start has |e| = {float(places[i]):.4g} in {controller.task.axis_words[i]}, not below e_max"
-        lines.append(f"{told}: sampled, nothing is proved from there")
+    errors = np.abs((2 * np.array(start[: task.dimension]) - low - high) / (high - low))
+    if (errors >= analysis.sampled_loop.law.e_max).any():
+        i = int(np.argmax(errors))
+        position = f"the start has |e| = {float(errors[i]):.4g} in {task.axis_words[i]}, not below e_max"
+        lines.append(f"{position}: sampled, nothing is proved from there")
+    return [*lines, _period_line(analysis, scenario)]
+
+
+def _problem_outside_theory(controller: EmittedController, scenario: Scenario, start: Sequence[float]) -> str | None:
+    """Return why no sampling condition is about this loop at all; None where one may be."""
+    task = controller.task
+    if not controller.certificate.tube_holds:
+        return "the tube is not certified: nothing is proved"
+    if scenario.lag:
+        return f"not proved: u acts through a lag of {scenario.lag:g} s, which no statement here allows for"
+    if task.uses_differences and any(start[task.dimension :]):
+        return "not proved: a velocity by differences is 0 at the first sample, so starts are at rest"
+    if task.uses_differences and scenario.rate > (1 + 1e-9) / float(task.shortest_period):
+        return f"not proved: samples are nearer than control.period_min = {float(task.shortest_period):g} s"
+    return None
+
+
+def _period_line(analysis: Analysis, scenario: Scenario) -> str:
+    """Return whether the proved period covers the age that samples get in this scenario."""
     age, period = scenario.age, analysis.period
     if period is None:
-        return [*lines, f"no sampling period is proved for gain {by_component(controller.task.gain)}, this plant and start"]
-    now = prove_for_period("sharp", analysis.sampled_loop, age) or period
-    e = f"|e| stays below {', '.join(f'{round_up(v):g}' for v in now.e)}"
-    most, here = f"{1e3 * round_down(period.seconds):.4g} ms", f"{1e3 * age:.9g} ms"
+        gain = by_component(analysis.controller.task.gain)
+        return f"no sampling period is proved for gain {gain}, this plant and start"
+    at_this_age = prove_for_period("sharp", analysis.sampled_loop, age) or period
+    error_bounds = f"|e| stays below {', '.join(f'{round_up(v):g}' for v in at_this_age.e)}"
+    proved_age, scenario_age = f"{1e3 * round_down(period.seconds):.4g} ms", f"{1e3 * age:.9g} ms"
     if 1 / scenario.rate < analysis.shortest:
         shortest = f"{1e3 * round_up(analysis.shortest):.4g} ms"
-        return [*lines, f"not proved: alpha may not be stepped more often than every {shortest}"]
+        return f"not proved: alpha may not be stepped more often than every {shortest}"
     if age <= period.seconds:
-        return [*lines, f"proved from this start: {e}, with samples up to {here} old; the tube is kept up to {most}"]
-    return [*lines, f"not proved: samples get {here} old here, up to {most} are proved from this start"]
+        return (
+            f"proved from this start: {error_bounds}, with samples up to {scenario_age} old; the tube is kept up to {proved_age}"
+        )
+    return f"not proved: samples get {scenario_age} old here, up to {proved_age} are proved from this start"
 
 
 def write_run(
     controller: EmittedController, run: Run, folder: Path, axes: Sequence[str] = (), clock: str = "stated"
 ) -> list[str]:
-    """The trace and a picture of it; their paths."""
+    """Write the trace and a picture of it into a folder, and return their paths."""
     from stt_codegen.loop.picture import draw_run
     from stt_codegen.report.pictures import plane_named
 
     assert run.trace is not None
     name = f"{controller.task.name}.loop"
-    write_files(folder, {f"{name}.csv": csv(run.trace, controller.task, clock)})
+    write_files(folder, {f"{name}.csv": trace_csv(run.trace, controller.task, clock)})
     draw_run(controller, run, folder / f"{name}.png", [plane_named(controller.task, text) for text in axes])
     return [str(folder / f"{name}.csv"), str(folder / f"{name}.png")]

@@ -1,5 +1,5 @@
-"""The closed loop in C: the emitted controller as it goes on the board, a plant printed from its kernel, and what joins them
-(templates/loop/), compiled by the system's compiler and called through ctypes."""
+"""The closed loop in C: the emitted controller as it goes on the board, a plant printed from its kernel, and the loop between
+them (templates/loop/), compiled by the system's compiler and called through ctypes."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from stt_codegen.program.targets.c.runner import find_compiler
 from stt_codegen.program.targets.template_files import template_folder
 
 FLAGS = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-ffp-contract=off", "-shared", "-fPIC")
-MOST = 64  # dimensions, as in loop.h
+MAX_DIMENSIONS = 64  # as in loop.h
 
 
-class Setting(ctypes.Structure):
-    """`loop_setting` of loop.h."""
+class LoopSetting(ctypes.Structure):
+    """`loop_setting` of loop.h, which explains the fields."""
 
     _fields_ = (
         ("n", ctypes.c_int32),
@@ -57,12 +57,12 @@ class Setting(ctypes.Structure):
         ("clock", ctypes.c_int32),
         ("turn", ctypes.c_void_p),
         ("turns", ctypes.c_void_p),
-        ("hours", ctypes.c_void_p),
+        ("activity", ctypes.c_void_p),
     )
 
 
-class Judged(ctypes.Structure):
-    """`loop_result` of loop.h."""
+class LoopResult(ctypes.Structure):
+    """`loop_result` of loop.h, which explains the fields."""
 
     _fields_ = (
         ("hit", ctypes.c_int32),
@@ -73,16 +73,19 @@ class Judged(ctypes.Structure):
         ("left_at", ctypes.c_double),
         ("outside_at", ctypes.c_double),
         ("margin", ctypes.c_double),
-        ("e", ctypes.c_double * MOST),
-        ("u", ctypes.c_double * MOST),
-        ("last", ctypes.c_double * MOST),
+        ("e", ctypes.c_double * MAX_DIMENSIONS),
+        ("u", ctypes.c_double * MAX_DIMENSIONS),
+        ("last", ctypes.c_double * MAX_DIMENSIONS),
     )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Own:
-    """An emitted controller as the loop calls it; `start` sets what it keeps to 0. `library` keeps it loaded; lag: by how many
-    seconds its tube waits, of one that does."""
+class LoadedController:
+    """A compiled controller as the loop calls it.
+
+    step, tube, advance: functions of C, `loop_step`, `loop_tube` and `loop_advance` of loop.h. start: sets its state to 0.
+    library: keeps it loaded. lag: returns by how many seconds its tube has waited.
+    """
 
     step: Any
     tube: Any
@@ -93,49 +96,51 @@ class Own:
 
 
 def driver(plant: Model, dimension: int, order: int = 1) -> Any:
-    """`loop_run` for a plant; compiled once a process for each."""
-    return _driver(plant_source(plant, dimension, order))
+    """Return `loop_run` of loop.h for a plant; each plant is compiled once in a process."""
+    return _compiled_driver(plant_source(plant, dimension, order))
 
 
-def is_constant(plant: Model, dimension: int, order: int = 1) -> bool:
+def has_constant_dynamics(plant: Model, dimension: int, order: int = 1) -> bool:
     """Whether the plant's f and g do not depend on the state."""
     function = model(plant, dimension, order)
     return all(int(function.jac_sparsity(k, 0).nnz()) == 0 for k in (0, 1))
 
 
 @cache
-def _driver(source: str) -> Any:
+def _compiled_driver(source: str) -> Any:
+    """Compile the loop with the C of a plant, and return its `loop_run`."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "plant.c").write_text(source)
-        made, where = f"{folder}/loop.so", template_folder() / "loop"
-        run_compiler([find_compiler(), *FLAGS, f"-I{where}", f"{folder}/plant.c", str(where / "loop.c"), "-o", made, "-lm"])
-        library = ctypes.CDLL(made)
+        compiled, sources = f"{folder}/loop.so", template_folder() / "loop"
+        files = [f"{folder}/plant.c", str(sources / "loop.c")]
+        run_compiler([find_compiler(), *FLAGS, f"-I{sources}", *files, "-o", compiled, "-lm"])
+        library = ctypes.CDLL(compiled)
     run = library.loop_run
     run.restype = None
     run.argtypes = [
-        ctypes.POINTER(Setting),
+        ctypes.POINTER(LoopSetting),
         ctypes.c_void_p,
         ctypes.c_void_p,
         ctypes.c_void_p,
-        ctypes.POINTER(Judged),
+        ctypes.POINTER(LoopResult),
         ctypes.c_void_p,
     ]
     return run
 
 
-def own(controller: EmittedController) -> Own:
+def load_controller(controller: EmittedController) -> LoadedController:
     """Compile the emitted C of a controller and load it."""
-    adaptive, outside = controller.design.is_stateful, controller.task.control.outside
+    outside = controller.task.control.outside
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)
         Path(folder, "adapter.c").write_text(adapter_source(controller.task, controller.design, controller.certificate))
         sources = [f"{folder}/{name}" for name in ("adapter.c", *driven_sources(controller.task))]
-        run_compiler([find_compiler(), *FLAGS, *sources, "-o", f"{folder}/own.so", "-lm"])
-        library = ctypes.CDLL(f"{folder}/own.so")
+        run_compiler([find_compiler(), *FLAGS, *sources, "-o", f"{folder}/controller.so", "-lm"])
+        library = ctypes.CDLL(f"{folder}/controller.so")
     if outside != "return":
         library.loop_own_lag.restype = ctypes.c_double
-        return Own(
+        return LoadedController(
             step=library.loop_own_step,
             tube=library.loop_own_tube,
             advance=None,
@@ -143,10 +148,16 @@ def own(controller: EmittedController) -> Own:
             library=library,
             lag=library.loop_own_lag,
         )
-    if not adaptive:
-        return Own(step=library.loop_own_step, tube=library.loop_own_tube, advance=None, start=lambda: None, library=library)
+    if not controller.design.is_stateful:
+        return LoadedController(
+            step=library.loop_own_step,
+            tube=library.loop_own_tube,
+            advance=None,
+            start=lambda: None,
+            library=library,
+        )
     library.loop_own_advance.argtypes = [ctypes.c_double, ctypes.c_double]
-    return Own(
+    return LoadedController(
         step=library.loop_own_step,
         tube=library.loop_own_tube,
         advance=library.loop_own_advance,

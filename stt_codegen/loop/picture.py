@@ -28,9 +28,9 @@ from stt_codegen.report.pictures import (
 )
 
 Array = npt.NDArray[Any]
-PATH = "#d35400"
-LINES = ("#d35400", "#8e44ad", "#16a085")
-SLICES = 40  # boxes of a tube in three dimensions
+PATH_COLOUR = "#d35400"
+TUBE_COLOURS = ("#d35400", "#8e44ad", "#16a085")
+SLICES = 40  # boxes that show a tube in three dimensions
 
 
 def draw_run(controller: EmittedController, run: Run, path: Path, planes: Sequence[Plane] = ()) -> None:
@@ -41,26 +41,26 @@ def draw_run(controller: EmittedController, run: Run, path: Path, planes: Sequen
     grid = np.linspace(0.0, float(task.prescribed_time), 1801)
     low, high = controller.design.edges_at(grid)
     shown = planes_of(task, planes)
-    there = np.stack([np.interp(grid, t, x[:, i]) for i in range(n)], axis=1)
-    figure, above = sheet(controller, max(5.2, 1.8 * (n + 1)), grid, low, high, shown, there)
+    states = np.stack([np.interp(grid, t, x[:, i]) for i in range(n)], axis=1)
+    figure, above = sheet(controller, max(5.2, 1.8 * (n + 1)), grid, low, high, shown, states)
     arenas, over = panels(above, shown, [*task.axis_names, "u"])
     for axis, plane in zip(arenas, shown, strict=True):
         draw_arena(axis, controller, low, high, plane)
-        axis.plot(x[:, plane[0]], x[:, plane[1]], color=PATH, linewidth=1.6)
+        axis.plot(x[:, plane[0]], x[:, plane[1]], color=PATH_COLOUR, linewidth=1.6)
     for i in range(n):
         draw_dimension(over[i], controller, i, grid, low, high)
-        over[i].plot(t, x[:, i], color=PATH, linewidth=1.2)
+        over[i].plot(t, x[:, i], color=PATH_COLOUR, linewidth=1.2)
     for i in range(n):
         over[-1].plot(t, u[:, i], linewidth=0.8, label=f"$u_{{{i + 1}}}$")
     over[-1].set(xlabel="t [s]", ylabel="$u$")
     over[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)  # beside the curves, never over them
-    told = "task fulfilled" if run.good else _reason(run)
-    figure.suptitle(f"{task.name}: {controller.design.kind} tube, gain {by_component(task.gain)}, {told}")
+    verdict = "task fulfilled" if run.good else _reason(run)
+    figure.suptitle(f"{task.name}: {controller.design.kind} tube, gain {by_component(task.gain)}, {verdict}")
     save(figure, path)
 
 
 def _reason(run: Run) -> str:
-    """Why a run missed its task, in words."""
+    """Return why a run missed its task, in words."""
     if run.hit is not None:
         return f"hits {run.hit} at {run.hit_at:.3g} s"
     if run.left_at is not None:
@@ -69,19 +69,19 @@ def _reason(run: Run) -> str:
 
 
 def draw_figure3(pairs: Sequence[tuple[EmittedController, Sequence[Run]]], path: Path) -> None:
-    """The paper's figure 3: the arena with the paths of several runs from every start, then each tube over time."""
+    """Save the paper's figure 3: the arena with the paths of several runs from every start, then each tube over time."""
     down, across = (len(pairs) + 2) // 2, 2
     figure = Figure(figsize=(10.5, 4.8 * down), layout="constrained")
     axis = figure.add_subplot(down, across, 1)
     first = pairs[0][0]
     draw_sets(axis, first.task)
-    for (controller, runs), colour in zip(pairs, LINES, strict=False):
+    for (controller, runs), colour in zip(pairs, TUBE_COLOURS, strict=False):
         axis.add_patch(patch(controller.task.start, colour, fill=False, linewidth=1.6))
         for run in runs:
             assert run.trace is not None
             axis.plot(run.trace[:, 1], run.trace[:, 2], color=colour, linewidth=0.8, alpha=0.8)
     axis.set_title(f"(a) {sum(len(runs) for _, runs in pairs)} runs under disturbance", fontsize=9)
-    for k, ((controller, runs), colour) in enumerate(zip(pairs, LINES, strict=False)):
+    for k, ((controller, runs), colour) in enumerate(zip(pairs, TUBE_COLOURS, strict=False)):
         solid: Any = figure.add_subplot(down, across, k + 2, projection="3d")
         _tube3(solid, controller, colour)
         for run in runs:
@@ -92,10 +92,10 @@ def draw_figure3(pairs: Sequence[tuple[EmittedController, Sequence[Run]]], path:
 
 
 def pillar(corners: Array, height: float) -> list[list[tuple[float, float, float]]]:
-    """The sides and the two ends of a pillar over a polygon."""
-    around = [(float(x), float(y)) for x, y in corners]
-    sides = [[(*a, 0.0), (*b, 0.0), (*b, height), (*a, height)] for a, b in zip(around, around[1:] + around[:1], strict=True)]
-    return [*sides, *([(*p, z) for p in around] for z in (0.0, height))]
+    """Return the sides and the two ends of a pillar over a polygon, each as a list of corners (x, y, t)."""
+    base = [(float(x), float(y)) for x, y in corners]
+    sides = [[(*a, 0.0), (*b, 0.0), (*b, height), (*a, height)] for a, b in zip(base, base[1:] + base[:1], strict=True)]
+    return [*sides, *([(*p, z) for p in base] for z in (0.0, height))]
 
 
 def _tube3(axis: Any, controller: EmittedController, colour: str) -> None:
@@ -122,8 +122,8 @@ def _tube3(axis: Any, controller: EmittedController, colour: str) -> None:
 
 
 def draw_figure1(controller: EmittedController, run: Run, path: Path) -> None:
-    """The paper's figure 1 from one adaptive tube: arena and path, reachability tube, circumvent function, adaptive tube, all in
-    three dimensions."""
+    """Save the paper's figure 1 from one adaptive tube: arena and path, reachability tube, circumvent function, adaptive tube,
+    and the tube over time in three dimensions."""
     from stt_codegen import reference
     from stt_codegen.designs import parameters_of, require_adaptive
 
@@ -132,8 +132,8 @@ def draw_figure1(controller: EmittedController, run: Run, path: Path) -> None:
     t = np.linspace(0.0, float(task.prescribed_time), 1601)
     lines = reference.lines(parameters_of(design), t)
     low, high = controller.design.edges_at(t)
-    pushed = [b.dimension for b in design.bumps]
-    i = max(set(pushed), key=pushed.count) if pushed else 0
+    bump_axes = [b.dimension for b in design.bumps]
+    i = max(set(bump_axes), key=bump_axes.count) if bump_axes else 0
     figure = Figure(figsize=(17, 3.9), layout="constrained")
     axes: list[Any] = [figure.add_subplot(1, 5, k + 1) for k in range(4)]
     draw_sets(axes[0], task)
@@ -146,10 +146,10 @@ def draw_figure1(controller: EmittedController, run: Run, path: Path) -> None:
         axis.set(xlabel="t [s]", ylim=(float(task.state_space.lower[i]), float(task.state_space.upper[i])))
     for axis in axes[1:3]:
         axis.fill_between(t, rho[:, 0], rho[:, 1], color=COLOURS["tube"], alpha=0.3, linewidth=0)
-    axes[2].plot(t, beta[:, 0], t, beta[:, 1], color=PATH, linewidth=1.2)
+    axes[2].plot(t, beta[:, 0], t, beta[:, 1], color=PATH_COLOUR, linewidth=1.2)
     draw_dimension(axes[3], controller, i, t, low, high)
     axes[3].plot(run.trace[:, 0], run.trace[:, 1 + i], color="black", linestyle=":")
     solid: Any = figure.add_subplot(1, 5, 5, projection="3d")
-    _tube3(solid, controller, LINES[0])
+    _tube3(solid, controller, TUBE_COLOURS[0])
     solid.set_title("(e) the tube over time", fontsize=9)
     save(figure, path)

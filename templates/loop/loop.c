@@ -1,22 +1,22 @@
-/* The loop: classical Runge-Kutta steps between samples, halved until both halves agree with the whole; every state on the way
- * is judged. See loop.h. */
+/* The loop: classical Runge-Kutta steps between samples, halved until both halves agree with the full step; every state on the
+ * way is judged. See loop.h. */
 #include "loop.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
 
-#define TOLERANCE 1e-12 /* of 1 + |x|, the difference of a step and its halves, 15 times the error that is left */
-#define DEPTH 12
-#define ROUNDS 200
+#define TOLERANCE 1e-12 /* of 1 + |x|: largest difference of a step and its halves, 15 times the remaining error */
+#define MAX_HALVINGS 12 /* of a step */
+#define PROJECTION_ROUNDS 200 /* of Hildreth's method */
 #define CLOCKS 9 /* readings that are tried for the worst */
 
 typedef struct {
     const loop_setting *s;
     uint64_t random;
-    double direction[MOST]; /* unit vector, or the vector held over this period */
+    double direction[MAX_DIMENSIONS]; /* unit vector, or the vector held over this period */
     double rate, phase;     /* of the sinusoid, rad/s and rad */
-    double middle[STATE], half[STATE]; /* of the tube, and of the filtered one, at the last look */
+    double middle[STATE], half[STATE]; /* of the tube, and of the filtered one, when last judged */
 } wind;
 
 static double uniform(uint64_t *state) /* splitmix64, to [0, 1) */
@@ -54,26 +54,26 @@ static double beyond(const double *face, const double *x, int n) /* how far x is
     return sum;
 }
 
-static double size_of(const double *face, int n)
+static double one_norm_of(const double *face, int n) /* of the normal */
 {
     double sum = 0.0;
     for (int i = 0; i < n; i++) sum += fabs(face[i]);
     return sum;
 }
 
-/* From x to the nearest point of a polytope, by Hildreth's method: each half-space in turn takes back what it pushed and pushes
- * anew. Boxes are done in one round; `way` is the whole push. Returns the distance, 0 inside. */
-static double toward(const double *faces, int count, double growth, const double *x, double *way, int n)
+/* From x to the nearest point of a polytope, by Hildreth's method: each half-space in turn takes back its last push and pushes
+ * again. A box takes one round. `way` is the sum of all pushes. Returns the distance, 0 inside. */
+static double to_polytope(const double *faces, int count, double growth, const double *x, double *way, int n)
 {
-    double pushed[FACES], y[MOST];
-    memset(pushed, 0, (size_t)count * sizeof *pushed); /* of these alone: all of FACES cost more than the whole loop */
+    double pushed[MAX_FACES], y[MAX_DIMENSIONS];
+    memset(pushed, 0, (size_t)count * sizeof *pushed); /* not all of MAX_FACES, which takes longer than the rest of the loop */
     memset(way, 0, (size_t)n * sizeof *way);
     memcpy(y, x, (size_t)n * sizeof *x);
-    for (int round = 0; round < ROUNDS; round++) {
+    for (int round = 0; round < PROJECTION_ROUNDS; round++) {
         double moved = 0.0;
         for (int f = 0; f < count; f++) {
             const double *face = faces + (n + 1) * f;
-            const double out = growth > 0.0 ? growth * size_of(face, n) : 0.0; /* grown by a box */
+            const double out = growth > 0.0 ? growth * one_norm_of(face, n) : 0.0; /* grown by a box */
             const double push = fmax(0.0, pushed[f] + (beyond(face, y, n) - out)), change = push - pushed[f];
             for (int i = 0; i < n; i++) y[i] -= change * face[i];
             pushed[f] = push;
@@ -90,7 +90,7 @@ static double toward(const double *faces, int count, double growth, const double
 static double to_segment(const double *ends, const double *x, double *way, int n)
 {
     const double *from = ends, *to = ends + n, *half = ends + 2 * n;
-    double turn[2 * MOST + 2] = {0.0, 1.0}, best = HUGE_VAL;
+    double turn[2 * MAX_DIMENSIONS + 2] = {0.0, 1.0}, best = HUGE_VAL;
     int turns = 2;
     for (int i = 0; i < n; i++)
         for (int side = -1; side <= 1; side += 2) {
@@ -99,8 +99,8 @@ static double to_segment(const double *ends, const double *x, double *way, int n
         }
     for (int k = 1; k < turns; k++)
         for (int m = k; m > 0 && turn[m] < turn[m - 1]; m--) {
-            const double other = turn[m];
-            turn[m] = turn[m - 1], turn[m - 1] = other;
+            const double larger = turn[m - 1];
+            turn[m - 1] = turn[m], turn[m] = larger;
         }
     for (int k = 0; k + 1 < turns; k++) {
         double slope = 0.0, bend = 0.0, at[3] = {turn[k], turn[k + 1], turn[k]};
@@ -112,7 +112,7 @@ static double to_segment(const double *ends, const double *x, double *way, int n
         }
         if (bend > 0.0) at[2] = fmin(fmax(middle - slope / bend, turn[k]), turn[k + 1]);
         for (int p = 0; p < 3; p++) {
-            double gaps[MOST];
+            double gaps[MAX_DIMENSIONS];
             for (int i = 0; i < n; i++) {
                 const double gap = from[i] + at[p] * (to[i] - from[i]) - x[i];
                 gaps[i] = gap > half[i] ? gap - half[i] : gap < -half[i] ? gap + half[i] : 0.0;
@@ -127,55 +127,58 @@ static double to_segment(const double *ends, const double *x, double *way, int n
     return best;
 }
 
-/* Where a set is, and whether it is unsafe, at one reading of its clock. */
+/* A set at one reading of its clock: whether it is unsafe, its growth, and x less the displacement of the set. */
 typedef struct {
     int unsafe;
-    double growth, seen[MOST]; /* seen: x from where the set would be if it were not displaced */
-} sight;
+    double growth, relative_x[MAX_DIMENSIONS];
+} set_state;
 
-static int readings(const loop_setting *s, int j)
+static int readings(const loop_setting *s, int j) /* how many readings of its clock count for a set */
 {
     return s->turn != NULL && s->clock == WORST && s->turn[j + 1] > s->turn[j] ? CLOCKS : 1;
 }
 
-static void look(const loop_setting *s, int j, int reading, double t, const double *x, sight *p)
+/* Writes the state of set j for a controller that is at x at time t. */
+static void set_state_at(const loop_setting *s, int j, int reading, double t, const double *x, set_state *p)
 {
     const int n = s->n;
-    double by[MOST] = {0}, tau = t;
+    double by[MAX_DIMENSIONS] = {0}, tau = t;
     p->unsafe = 1, p->growth = 0.0;
-    memcpy(p->seen, x, (size_t)n * sizeof *x);
+    memcpy(p->relative_x, x, (size_t)n * sizeof *x);
     if (s->turn == NULL || s->turn[j + 1] == s->turn[j]) return;
     const int first = s->turn[j], last = s->turn[j + 1] - 1;
-    const double *hours = s->hours + 5 * j, *at = s->turns + (n + 1) * first;
-    if (s->clock == EARLY) tau = t - hours[3];
-    if (s->clock == LATE) tau = t + hours[4];
-    if (s->clock == WORST) tau = t - hours[3] + reading * (hours[3] + hours[4]) / (CLOCKS - 1);
-    p->unsafe = tau >= hours[0] && tau <= hours[1];
-    p->growth = fmax(0.0, tau) * hours[2];
+    const double *activity = s->activity + 5 * j, *at = s->turns + (n + 1) * first;
+    if (s->clock == EARLY) tau = t - activity[3];
+    if (s->clock == LATE) tau = t + activity[4];
+    if (s->clock == WORST) tau = t - activity[3] + reading * (activity[3] + activity[4]) / (CLOCKS - 1);
+    p->unsafe = tau >= activity[0] && tau <= activity[1];
+    p->growth = fmax(0.0, tau) * activity[2];
     memcpy(by, at + 1, (size_t)n * sizeof *by);
     for (int k = first; k < last; k++, at += n + 1) {
         const double *to = at + n + 1, share = fmin(1.0, (tau - at[0]) / (to[0] - at[0]));
         if (tau <= at[0]) break;
         for (int i = 0; i < n; i++) by[i] = at[1 + i] + share * (to[1 + i] - at[1 + i]);
     }
-    for (int i = 0; i < n; i++) p->seen[i] = x[i] - by[i];
+    for (int i = 0; i < n; i++) p->relative_x[i] = x[i] - by[i];
 }
 
-static double to_core(const loop_setting *s, int j, const sight *p, double *way)
+/* From x to the core of set j: the distance, 0 inside; `way` is the vector to the nearest point. */
+static double to_core(const loop_setting *s, int j, const set_state *p, double *way)
 {
     const int n = s->n;
-    if (s->radius[j] > 0.0) return to_segment(s->ends + 3 * n * j, p->seen, way, n);
-    return toward(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], p->growth, p->seen, way, n);
+    if (s->radius[j] > 0.0) return to_segment(s->ends + 3 * n * j, p->relative_x, way, n);
+    return to_polytope(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], p->growth, p->relative_x, way, n);
 }
 
+/* Writes the unit vector toward the nearest unsafe set or wall. */
 static void nearest(const loop_setting *s, double t, const double *x, double *w)
 {
     const int n = s->n;
-    double best = HUGE_VAL, way[MOST];
-    sight p;
+    double best = HUGE_VAL, way[MAX_DIMENSIONS];
+    set_state p;
     for (int j = 0; j < s->sets; j++)
         for (int reading = 0; reading < readings(s, j); reading++) {
-            look(s, j, reading, t, x, &p);
+            set_state_at(s, j, reading, t, x, &p);
             if (!p.unsafe) continue;
             const double core = to_core(s, j, &p, way);
             const double distance = s->radius[j] > 0.0 ? core - s->radius[j] - p.growth : core;
@@ -193,26 +196,27 @@ static void nearest(const loop_setting *s, double t, const double *x, double *w)
     }
 }
 
-static int held_size(const loop_setting *s)
+static int tube_size(const loop_setting *s) /* of all tubes together */
 {
     return s->order * s->n;
 }
 
-static int state_size(const loop_setting *s) /* with what acts, where that lags */
+static int state_size(const loop_setting *s) /* with the acting input, where it lags */
 {
-    return held_size(s) + (s->lag > 0.0 ? s->n : 0);
+    return tube_size(s) + (s->lag > 0.0 ? s->n : 0);
 }
 
-/* What the tubes are about: x, and of order 2 then v + filter x. */
-static void held_of(const loop_setting *s, const double *x, double *held)
+/* Writes what the tubes bound: x, and of order 2 then v + filter x. */
+static void tube_coordinates(const loop_setting *s, const double *x, double *coordinates)
 {
     const int n = s->n;
-    memcpy(held, x, (size_t)n * sizeof *x);
+    memcpy(coordinates, x, (size_t)n * sizeof *x);
     if (s->order == 2)
-        for (int i = 0; i < n; i++) held[n + i] = x[n + i] + s->filter[i] * x[i];
+        for (int i = 0; i < n; i++) coordinates[n + i] = x[n + i] + s->filter[i] * x[i];
 }
 
-static void blow(const wind *v, double t, const double *x, double *w)
+/* Writes the disturbance w at time t and state x. */
+static void disturb(const wind *v, double t, const double *x, double *w)
 {
     const loop_setting *s = v->s;
     const int n = s->n;
@@ -224,42 +228,43 @@ static void blow(const wind *v, double t, const double *x, double *w)
     if (s->kind == OUTWARD) { /* toward the nearest edge of the tube */
         const int first = (s->order - 1) * n;
         int worst = first;
-        double most = -1.0, held[STATE];
-        held_of(s, x, held);
+        double largest_e = -1.0, coordinates[STATE];
+        tube_coordinates(s, x, coordinates);
         for (int i = first; i < first + n; i++) {
-            const double e = fabs(held[i] - v->middle[i]) / v->half[i];
-            if (e > most) most = e, worst = i;
+            const double e = fabs(coordinates[i] - v->middle[i]) / v->half[i];
+            if (e > largest_e) largest_e = e, worst = i;
         }
-        w[worst - first] = held[worst] < v->middle[worst] ? -1.0 : 1.0;
+        w[worst - first] = coordinates[worst] < v->middle[worst] ? -1.0 : 1.0;
     }
     for (int i = 0; i < n; i++) w[i] *= s->strength * s->shares[i];
 }
 
-/* An input, x of the sample that it was made of, and since when it acts. */
+/* An input, x of the sample that it was computed from, and the time from which it acts. */
 typedef struct {
-    double since, u[MOST], sample[MOST];
+    double since, u[MAX_DIMENSIONS], sample[MAX_DIMENSIONS];
 } held_input;
 
-/* Inputs on their way, the oldest first: that one acts until the next one's time has come. */
+/* The acting input, and those that are still to act, in order of time. */
 typedef struct {
-    held_input on_the_way[WAITING];
+    held_input pending[MAX_PENDING];
     int first, count;
 } inputs;
 
-static held_input *of_age(inputs *q, int k)
+static held_input *input_at(inputs *q, int k) /* 0: the acting one */
 {
-    return &q->on_the_way[(q->first + k) % WAITING];
+    return &q->pending[(q->first + k) % MAX_PENDING];
 }
 
+/* Writes the derivative of the state. */
 static void rate_of(const wind *v, double t, const double *x, const held_input *acts, double *rate)
 {
     const double *u = acts->u;
     const int n = v->s->n;
-    double g[MOST * MOST], w[MOST], *turn = rate + (v->s->order - 1) * n;
+    double g[MAX_DIMENSIONS * MAX_DIMENSIONS], w[MAX_DIMENSIONS], *turn = rate + (v->s->order - 1) * n;
     loop_plant(x, v->s->constants, acts->sample, turn, g);
-    blow(v, t, x, w);
+    disturb(v, t, x, w);
     if (v->s->lag > 0.0) {
-        const int first = held_size(v->s);
+        const int first = tube_size(v->s);
         for (int i = 0; i < n; i++) rate[first + i] = (u[i] - x[first + i]) / v->s->lag;
         u = x + first;
     }
@@ -287,33 +292,33 @@ static void runge_kutta(const wind *v, double t, double h, const held_input *act
 static void integrate(const wind *v, double t, double h, const held_input *acts, double *x, int depth)
 {
     const int n = state_size(v->s);
-    double whole[STATE], halves[STATE], worst = 0.0;
-    memcpy(whole, x, (size_t)n * sizeof *x);
-    runge_kutta(v, t, h, acts, whole);
-    if (v->s->constant) { /* f and g do not change: one step is exact but for what w does */
-        memcpy(x, whole, (size_t)n * sizeof *x);
+    double full[STATE], halves[STATE], worst = 0.0;
+    memcpy(full, x, (size_t)n * sizeof *x);
+    runge_kutta(v, t, h, acts, full);
+    if (v->s->constant) { /* f and g do not change: one step is exact but for the change of w */
+        memcpy(x, full, (size_t)n * sizeof *x);
         return;
     }
     memcpy(halves, x, (size_t)n * sizeof *x);
     runge_kutta(v, t, 0.5 * h, acts, halves);
     runge_kutta(v, t + 0.5 * h, 0.5 * h, acts, halves);
-    for (int i = 0; i < n; i++) worst = fmax(worst, fabs(halves[i] - whole[i]) / (1.0 + fabs(halves[i])));
+    for (int i = 0; i < n; i++) worst = fmax(worst, fabs(halves[i] - full[i]) / (1.0 + fabs(halves[i])));
     if (depth == 0 || !(worst > TOLERANCE)) {
-        for (int i = 0; i < n; i++) x[i] = halves[i] + (halves[i] - whole[i]) / 15.0;
+        for (int i = 0; i < n; i++) x[i] = halves[i] + (halves[i] - full[i]) / 15.0;
         return;
     }
     integrate(v, t, 0.5 * h, acts, x, depth - 1);
     integrate(v, t + 0.5 * h, 0.5 * h, acts, x, depth - 1);
 }
 
-/* From `now` on over h: each input while it is its turn. */
+/* Drives the plant from `now` over h, with each input while it acts. */
 static void drive(const wind *v, double now, double h, inputs *q, double *x)
 {
     const double end = now + h;
     for (double at = now, left = h; left > 0.0; left = end - at) {
-        while (q->count > 1 && of_age(q, 1)->since <= at) q->first = (q->first + 1) % WAITING, q->count--;
-        const double step = q->count > 1 ? fmin(left, of_age(q, 1)->since - at) : left;
-        integrate(v, at, step, of_age(q, 0), x, DEPTH);
+        while (q->count > 1 && input_at(q, 1)->since <= at) q->first = (q->first + 1) % MAX_PENDING, q->count--;
+        const double step = q->count > 1 ? fmin(left, input_at(q, 1)->since - at) : left;
+        integrate(v, at, step, input_at(q, 0), x, MAX_HALVINGS);
         if (step == left) return;
         at += step;
     }
@@ -326,44 +331,45 @@ static int inside(const double *faces, int count, const double *x, int n)
     return 1;
 }
 
-/* The interior: touching an unsafe set is no collision, since sets may touch what is allowed. */
-static int within(const loop_setting *s, int j, double t, const double *x)
+/* Whether x is in the interior of set j. Touching an unsafe set is no collision, since the start or the target may touch it. */
+static int collides(const loop_setting *s, int j, double t, const double *x)
 {
     const int n = s->n;
-    double way[MOST];
-    sight p;
+    double way[MAX_DIMENSIONS];
+    set_state p;
     for (int reading = 0; reading < readings(s, j); reading++) {
         int in = 1;
-        look(s, j, reading, t, x, &p);
+        set_state_at(s, j, reading, t, x, &p);
         if (!p.unsafe) continue;
         if (s->radius[j] > 0.0) in = to_core(s, j, &p, way) < s->radius[j] + p.growth;
         for (int f = s->first[j]; in && f < s->first[j + 1]; f++) {
-            const double *face = s->faces + (n + 1) * f, out = p.growth > 0.0 ? p.growth * size_of(face, n) : 0.0;
-            in = beyond(face, p.seen, n) < out;
+            const double *face = s->faces + (n + 1) * f, out = p.growth > 0.0 ? p.growth * one_norm_of(face, n) : 0.0;
+            in = beyond(face, p.relative_x, n) < out;
         }
         if (in) return 1;
     }
     return 0;
 }
 
+/* Notes in r what a state at time t adds to the result, and in v the tube. */
 static void judge(const loop_setting *s, double t, const double *x, loop_tube tube, wind *v, loop_result *r)
 {
     const int n = s->n;
-    double lower[STATE], upper[STATE], held[STATE];
+    double lower[STATE], upper[STATE], coordinates[STATE];
     for (int j = 0; j < s->sets && r->hit < 0; j++)
-        if (within(s, j, t, x)) r->hit = j, r->hit_at = t;
+        if (collides(s, j, t, x)) r->hit = j, r->hit_at = t;
     if (!r->left && !inside(s->space, s->walls, x, n)) r->left = 1, r->left_at = t;
     if (tube == NULL) return;
     tube(t, lower, upper);
-    held_of(s, x, held);
-    for (int i = 0; i < held_size(s); i++) {
-        const double width = upper[i] - lower[i], nearer = fmin(held[i] - lower[i], upper[i] - held[i]);
+    tube_coordinates(s, x, coordinates);
+    for (int i = 0; i < tube_size(s); i++) {
+        const double width = upper[i] - lower[i], nearer = fmin(coordinates[i] - lower[i], upper[i] - coordinates[i]);
         v->middle[i] = 0.5 * (lower[i] + upper[i]);
         v->half[i] = width > 0.0 ? 0.5 * width : 1e-9;
-        const double share = width > 0.0 ? nearer / width : -1.0, e = fabs(held[i] - v->middle[i]) / v->half[i];
-        double *most = &r->e[i % n];
-        r->margin = share >= r->margin ? r->margin : share == share ? share : -1.0; /* what is no number is outside */
-        *most = e <= *most ? *most : e == e ? e : HUGE_VAL;
+        const double share = width > 0.0 ? nearer / width : -1.0, e = fabs(coordinates[i] - v->middle[i]) / v->half[i];
+        double *largest_e = &r->e[i % n];
+        r->margin = share >= r->margin ? r->margin : share == share ? share : -1.0; /* NaN counts as outside */
+        *largest_e = e <= *largest_e ? *largest_e : e == e ? e : HUGE_VAL;
     }
 }
 
@@ -374,8 +380,8 @@ static void start_wind(wind *v, const loop_setting *s)
     unit_vector(&v->random, v->direction, s->n);
     v->rate = exp(log(0.5) + uniform(&v->random) * log(40.0)); /* 0.5 to 20 rad/s */
     v->phase = 6.283185307179586 * uniform(&v->random);
-    held_of(s, s->start, v->middle);
-    for (int i = 0; i < held_size(s); i++) v->half[i] = 1.0;
+    tube_coordinates(s, s->start, v->middle);
+    for (int i = 0; i < tube_size(s); i++) v->half[i] = 1.0;
 }
 
 static double *write_row(double *row, double t, const double *x, const double *u, loop_tube tube, const double *w, int status,
@@ -393,9 +399,9 @@ static double *write_row(double *row, double t, const double *x, const double *u
 
 void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advance advance, loop_result *r, double *trace)
 {
-    const int n = s->n, size = held_size(s);
+    const int n = s->n, size = tube_size(s);
     wind v;
-    double x[STATE] = {0}, seen[STATE], u[MOST] = {0}, w[MOST] = {0};
+    double x[STATE] = {0}, measured[STATE], u[MAX_DIMENSIONS] = {0}, w[MAX_DIMENSIONS] = {0};
     static inputs q; /* one loop at a time in a process */
     int status = 0, lost = 0;
     memset(r, 0, sizeof *r);
@@ -413,17 +419,17 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
         }
         lost = k > 0 && lost < s->lost && uniform(&v.random) < 0.5 ? lost + 1 : 0;
         if (!lost) {
-            for (int i = 0; i < size; i++) seen[i] = x[i] + (i < n ? s->noise : s->noise_v) * (2.0 * uniform(&v.random) - 1.0);
-            status = step(t, seen, u);
+            for (int i = 0; i < size; i++) measured[i] = x[i] + (i < n ? s->noise : s->noise_v) * (2.0 * uniform(&v.random) - 1.0);
+            status = step(t, measured, u);
             if (status != 0 && r->outside++ == 0) r->outside_at = t;
             for (int i = 0; i < n; i++) r->u[i] = fmax(r->u[i], fabs(u[i]));
-            held_input *made = of_age(&q, q.count++);
-            made->since = k > 0 ? t + s->latency : 0.0;
-            memcpy(made->u, u, (size_t)n * sizeof *u);
-            memcpy(made->sample, seen, (size_t)n * sizeof *seen);
+            held_input *next = input_at(&q, q.count++);
+            next->since = k > 0 ? t + s->latency : 0.0;
+            memcpy(next->u, u, (size_t)n * sizeof *u);
+            memcpy(next->sample, measured, (size_t)n * sizeof *measured);
         }
         if (trace != NULL) {
-            blow(&v, t, x, w);
+            disturb(&v, t, x, w);
             trace = write_row(trace, t, x, u, tube, w, status, n, s->order);
         }
         for (int part = 0; part < s->parts; part++) {

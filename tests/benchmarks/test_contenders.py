@@ -318,7 +318,7 @@ def test_a_controller_that_does_nothing_does_not_reach_the_target(outcome) -> No
     tube = _tube_of(task)
     loop = Loop(contenders.build_task(task), PLANTS["integrator"])
     still = held(
-        "static int decide(real t, const real *x, real *u)\n{\n    u[0] = u[1] = 0;\n    return 0;\n}\n", 2, 20, loop.own.tube
+        "static int decide(real t, const real *x, real *u)\n{\n    u[0] = u[1] = 0;\n    return 0;\n}\n", 2, 20, loop.loaded.tube
     )
     ready = Ground(OPEN, 0.0, loop, scenarios_of(Job(OPEN, runs=1), tube, 0.5)).with_step(still)
     assert ready is not None

@@ -21,8 +21,8 @@ from stt_codegen.constraints import control_authority
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import within_bounds
-from stt_codegen.loop.simulate import KINDS, Loop, Scenario
+from stt_codegen.loop.command import corner_plants
+from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario
 from stt_codegen.pipeline import EmittedController, build_program, certify, design_tube
 from stt_codegen.plants import PLANTS, Plant
 from stt_codegen.program.targets.python.runner import load_module
@@ -166,7 +166,7 @@ def test_a_saturated_law_keeps_the_state_inside_where_saturation_is_proved() -> 
     (saturation,) = (h for h in analysis.hypotheses() if h.name == "saturation")
     assert saturation.holds
     loop = Loop(controller, PLANTS["integrator"])
-    for kind in KINDS[1:]:
+    for kind in DISTURBANCES[1:]:
         run = loop.run(Scenario(rate=20000.0, disturbance=kind, strength=0.3, seed=1))
         assert run.kept, kind
         assert max(run.u) <= 1
@@ -189,7 +189,7 @@ def test_where_p8_fails_the_state_leaves_whatever_the_gain() -> None:
     )
     runs = [
         Loop(controller, PLANTS["integrator"]).run(Scenario(rate=20000.0, disturbance=kind, strength=0.3, seed=1))
-        for kind in KINDS[1:]
+        for kind in DISTURBANCES[1:]
     ]
     assert any(not run.kept for run in runs)
 
@@ -345,7 +345,7 @@ def test_a_plant_is_covered_for_a_scaled_u_by_its_norms(plant: str, drift: float
 
 def test_the_worst_plants_for_a_scaled_u_are_within_the_norms() -> None:
     task = parse_task(SCALED.replace("g_max = 4.7", "g_max = 4.7, g_cross = 3"))
-    for plant in within_bounds(task):
+    for plant in corner_plants(task):
         g = np.array(plant.g(np.zeros((2, 1))))
         assert np.linalg.eigvalsh((g + g.T) / 2)[0] >= 0.37 - 1e-12
         assert np.linalg.norm(g, 2) <= 4.7

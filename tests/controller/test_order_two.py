@@ -25,9 +25,9 @@ from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import foretold, within_bounds
-from stt_codegen.loop.simulate import KINDS, Loop, Scenario
-from stt_codegen.loop.simulate import starts as draw_start
+from stt_codegen.loop.command import corner_plants, describe_proof
+from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario
+from stt_codegen.loop.simulate import random_start as draw_start
 from stt_codegen.pipeline import EmittedController, certify
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.program.targets.c.runner import CompiledC
@@ -313,14 +313,14 @@ def test_no_loop_leaves_at_the_proved_period_and_some_do_at_eight_times_it(name:
     force = float(min(b.force for b in task.plant_bounds))
     rate, e_bounds = 1 / float(proved.period), [float((r - 1) / (r + 1)) for r in proved.rho]
     noise = (float(task.plant.noise or 0), float(task.plant.noise_v or 0))
-    for model in within_bounds(task):
+    for model in corner_plants(task):
         loop = Loop(controller, model)
         for k in range(15):
             start = draw_start(controller.certificate.start, float(task.initial_set.share), k, corner=k % 2 == 0)
             run = loop.run(
                 Scenario(
                     rate=rate,
-                    disturbance=KINDS[1 + k % 5],
+                    disturbance=DISTURBANCES[1 + k % 5],
                     strength=force,
                     seed=k,
                     noise=noise[0],
@@ -336,7 +336,7 @@ def test_no_loop_leaves_at_the_proved_period_and_some_do_at_eight_times_it(name:
             loop.run(
                 Scenario(
                     rate=rate / 8,
-                    disturbance=KINDS[1 + k % 5],
+                    disturbance=DISTURBANCES[1 + k % 5],
                     strength=force,
                     seed=k,
                     start=draw_start(controller.certificate.start, float(task.initial_set.share), k),
@@ -441,7 +441,7 @@ def test_a_lag_is_simulated_and_reported_as_not_proved() -> None:
         lagged_input = u[k] + (lagged_input - u[k]) * np.exp(-h / 0.3)
         np.testing.assert_allclose(v[k + 1], velocity, rtol=0, atol=1e-9)  # the steps of the loop, a few milliseconds each
     assert not np.allclose(rows, without_lag.trace)
-    notes = foretold(controller, PLANTS["integrator"], Scenario(rate=100.0, lag=0.3))
+    notes = describe_proof(controller, PLANTS["integrator"], Scenario(rate=100.0, lag=0.3))
     assert notes == ["not proved: u acts through a lag of 0.3 s, which no statement here allows for"]
 
 
@@ -470,7 +470,7 @@ def test_the_notes_before_a_loop_name_its_starts() -> None:
     controller = controller_of_case("plain")
     assert Analysis(controller).starts.endswith("and at rest")
     assert "|v(0)| <= 0.02" in Analysis(controller_of_case("moving starts")).starts
-    notes = foretold(controller, None, Scenario(rate=1000.0, start=(0.25, 0.25, 0.01, 0.0)))
+    notes = describe_proof(controller, None, Scenario(rate=1000.0, start=(0.25, 0.25, 0.01, 0.0)))
     assert notes[-1].startswith("proved from this start")
 
 

@@ -22,7 +22,8 @@ from stt_codegen.design.refine import refine
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import Request, simulate
-from stt_codegen.loop.simulate import CLOCKS, Loop, Scenario, csv
+from stt_codegen.loop.simulate import CLOCKS, Loop, Scenario
+from stt_codegen.loop.traces import trace_csv
 from stt_codegen.pipeline import EmittedController, build_program, certify
 from stt_codegen.plants import PLANTS
 from stt_codegen.program.analyse.cost import cost_of
@@ -267,7 +268,9 @@ def test_the_trace_has_the_displacements_of_the_sets(controllers: dict[str, Emit
     controller = controllers["all"]
     run = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=20.0), trace=True)
     assert run.trace is not None
-    columns = np.genfromtxt(csv(run.trace, controller.task).decode().splitlines(), delimiter=",", names=True, deletechars="")
+    columns = np.genfromtxt(
+        trace_csv(run.trace, controller.task).decode().splitlines(), delimiter=",", names=True, deletechars=""
+    )
     assert columns["cart.d1"] == pytest.approx(np.interp(columns["t"], [0, 5], [1, 3.5]), abs=1e-8)  # the file has nine digits
     assert (columns["door.unsafe"] == (columns["t"] <= 3)).all()
 
@@ -366,7 +369,7 @@ def test_the_trace_has_the_displacements_of_the_chosen_clock(controllers: dict[s
         run = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=20.0, clock=clock), trace=True)
         assert run.trace is not None
         columns = np.genfromtxt(
-            csv(run.trace, controller.task, clock).decode().splitlines(), delimiter=",", names=True, deletechars=""
+            trace_csv(run.trace, controller.task, clock).decode().splitlines(), delimiter=",", names=True, deletechars=""
         )
         assert columns["cart.d1"] == pytest.approx(np.interp(columns["t"] + clock_error, [0, 5], [1, 3.5]), abs=1e-8)
 

@@ -24,7 +24,7 @@ from stt_codegen.certify.monitor import Cycle, holds
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import with_gain
-from stt_codegen.loop.simulate import CYCLES, Loop, Scenario
+from stt_codegen.loop.simulate import EXTRA_CYCLES, Loop, Scenario
 from stt_codegen.pipeline import EmittedController, build_program, certify, render_files
 from stt_codegen.plants import plant_of
 from stt_codegen.record.package import package
@@ -329,7 +329,7 @@ def test_a_watchman_is_certified_accepted_and_runs_for_several_cycles(text: str,
     cycle = cycle_of(controller.design)  # type: ignore[arg-type]
     assert cycle is not None
     assert run.trace is not None
-    assert run.trace[-1, 0] == pytest.approx(float(cycle.end + CYCLES * cycle.length))  # both are sums of a few doubles
+    assert run.trace[-1, 0] == pytest.approx(float(cycle.end + EXTRA_CYCLES * cycle.length))  # both are sums of a few doubles
     weak = Loop(with_gain(controller, [1e-5] * 2), plant_of("integrator", 2, order)).run(Scenario(rate=500.0))
     assert 1 in weak.missed  # outside its tube it misses the patrol, and the loop reports that
 

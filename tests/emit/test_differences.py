@@ -16,8 +16,8 @@ from stt_codegen.certify import checker
 from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import foretold, within_bounds
-from stt_codegen.loop.simulate import Loop, Scenario, of_task, starts
+from stt_codegen.loop.command import corner_plants, describe_proof
+from stt_codegen.loop.simulate import Loop, Scenario, random_start, scenario_of_task
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.sampling.loops import exact_loop, loop_of
@@ -45,13 +45,13 @@ def test_loops_keep_both_tubes_at_every_period_that_is_allowed(period_min: float
     controller = made(period_min=period_min)
     own, proved = controller.task, controller.certificate.proved_period
     assert proved is not None
-    for plant in within_bounds(own):
+    for plant in corner_plants(own):
         loop = Loop(controller, plant)
         for seed, (period, wind) in enumerate(
             (p, w) for p in (own.shortest_period, proved.period) for w in ("outward", "random")
         ):
-            at = starts(controller.certificate.start, 0.99 * float(proved.share), seed, corner=True)
-            told = {**of_task(own), "rate": 1 / float(period)}
+            at = random_start(controller.certificate.start, 0.99 * float(proved.share), seed, corner=True)
+            told = {**scenario_of_task(own), "rate": 1 / float(period)}
             run = loop.run(Scenario(disturbance=wind, strength=float(plant.w_max), seed=seed, start=at, **told))
             assert run.good
             assert run.kept
@@ -171,7 +171,7 @@ def test_the_checker_proves_it_and_finds_another_shortest_period(tmp_path: Path,
 
 def foretold_of(**scenario: Any) -> str:
     own = made().task
-    return " ".join(foretold(made(), None, Scenario(**{**of_task(own), **scenario})))
+    return " ".join(describe_proof(made(), None, Scenario(**{**scenario_of_task(own), **scenario})))
 
 
 def test_nothing_is_foretold_of_what_a_difference_does_not_know() -> None:

@@ -21,8 +21,9 @@ from benchmarks.suites.loop import LONGER, Job, jobs, lines, rows
 from benchmarks.suites.loop import run as run_job
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
-from stt_codegen.loop.command import Request, foretold, simulate, with_gain, with_wind
-from stt_codegen.loop.simulate import KINDS, Loop, Run, Scenario, columns, csv, starts
+from stt_codegen.loop.command import Request, describe_proof, simulate, with_disturbance_bound, with_gain
+from stt_codegen.loop.simulate import DISTURBANCES, Loop, Run, Scenario, random_start
+from stt_codegen.loop.traces import trace_columns, trace_csv
 from stt_codegen.pipeline import EmittedController, build
 from stt_codegen.plants import PLANTS, Plant
 from stt_codegen.report.analysis import Analysis
@@ -89,7 +90,7 @@ def test_u_is_what_the_emitted_controller_says_at_the_sample() -> None:
 # ------------------------------------------------------------------------------------------- disturbances
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", DISTURBANCES)
 def test_a_disturbance_keeps_its_bound_and_uses_it(kind: str) -> None:
     s = signals(loop("omni_s2").run(Scenario(rate=200.0, disturbance=kind, strength=0.3, seed=7), trace=True), 2)
     size = np.linalg.norm(s["w"][:-1], axis=1)
@@ -178,12 +179,12 @@ def test_verdicts_agree_with_the_trace(design: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "plant"), PAIRS)
-@pytest.mark.parametrize("kind", [k for k in KINDS if k != "none"])
+@pytest.mark.parametrize("kind", [k for k in DISTURBANCES if k != "none"])
 def test_what_is_proved_beforehand_holds_in_the_loop(name: str, plant: str, kind: str) -> None:
     """At the proved period, at the proposed gain, from starts all over the share, with lost samples: |e| and |u| below their
     bounds."""
     strength, noise = 0.1, 0.001
-    windy = with_wind(PLANTS[plant], strength)
+    windy = with_disturbance_bound(PLANTS[plant], strength)
     best = Analysis(controller(name), windy, noise).gains.longest
     if best is None:
         assert (name, plant) == ("omni_s3", "arm") and kind  # noqa: PT018
@@ -197,7 +198,7 @@ def test_what_is_proved_beforehand_holds_in_the_loop(name: str, plant: str, kind
     assert latency < late.seconds < prompt.seconds
     own = Loop(made, PLANTS[plant])
     for seed, lost, (proved, wait) in itertools.product(range(2), (0, 1), ((prompt, 0.0), (late, latency))):
-        start = starts(made.certificate.start, float(made.task.initial_set.share), seed)
+        start = random_start(made.certificate.start, float(made.task.initial_set.share), seed)
         scenario = Scenario(
             rate=(lost + 1) / (proved.seconds - wait),
             disturbance=kind,
@@ -224,8 +225,8 @@ def test_what_is_called_proved_holds_from_any_start_at_any_rate(name: str) -> No
     draw = np.random.default_rng(11)
     for k in range(24):
         share = draw.uniform(0.3, 0.985)
-        scenario = Scenario(rate=10 ** draw.uniform(1.3, 4.0), start=starts(gamma, share, k, corner=k % 2 == 0))
-        (line,) = foretold(own.controller, PLANTS["integrator"], scenario)[-1:]
+        scenario = Scenario(rate=10 ** draw.uniform(1.3, 4.0), start=random_start(gamma, share, k, corner=k % 2 == 0))
+        (line,) = describe_proof(own.controller, PLANTS["integrator"], scenario)[-1:]
         run = own.run(scenario)
         if line.startswith("proved"):
             bounds = [float(v) for v in line.partition("below ")[2].partition(", with")[0].split(", ")]
@@ -249,11 +250,11 @@ def test_inside_the_initial_set_a_run_at_the_period_of_the_state_alone_hits_and_
     assert own.run(scenario).hit == "O1"
     assert analysis.period is not None
     assert analysis.period.seconds < scenario.age
-    assert "no sampling period is proved" in foretold(own.controller, PLANTS["integrator"], scenario)[-1]
+    assert "no sampling period is proved" in describe_proof(own.controller, PLANTS["integrator"], scenario)[-1]
 
 
 def test_a_period_that_is_much_too_long_fails_and_was_not_proved() -> None:
-    own, windy = loop("omni_s2"), with_wind(PLANTS["integrator"], 0.3)
+    own, windy = loop("omni_s2"), with_disturbance_bound(PLANTS["integrator"], 0.3)
     period = Analysis(own.controller, windy).period
     assert period is not None
     run = own.run(Scenario(rate=0.05 / period.seconds, disturbance="outward", strength=0.3, seed=1))
@@ -273,13 +274,13 @@ def test_a_gain_far_off_is_told_beforehand_and_then_fails(gain: str, rate: str, 
 @pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "omni_s3", "omni_heading"])
 def test_what_is_foretold_is_never_more_than_what_is_proved(name: str) -> None:
     """Rounded to the nearest instead of down, half of these gains would print a longer period than the proved one."""
-    plant, told = with_wind(PLANTS["integrator"], 0.05), 0
+    plant, told = with_disturbance_bound(PLANTS["integrator"], 0.05), 0
     for k in range(8):
         made = with_gain(controller(name), [0.05 * 1.13**k] * controller(name).task.dimension)
         scenario = Scenario(rate=1000.0, strength=0.05)
         at = [float(v) for v in made.task.initial_state]
         period = Analysis(made, plant, scenario.noise, scenario.latency, at).period
-        for line in foretold(made, plant, scenario):
+        for line in describe_proof(made, plant, scenario):
             for number in re.findall(r"up to ([\d.e+-]+) ms", line):
                 assert period is not None
                 assert Fraction(number) / 1000 <= Fraction(period.seconds)
@@ -298,7 +299,7 @@ def test_simulate_writes_trace_and_picture_and_says_what_was_proved(tmp_path: Pa
     assert "fulfilled" in result.output
     assert "proved" in result.output
     table = (tmp_path / "omni_s2.loop.csv").read_text().splitlines()
-    assert table[0].split(",") == columns(OMNI)
+    assert table[0].split(",") == trace_columns(OMNI)
     assert len(table) == 1 + 4500 + 1
     assert (tmp_path / "omni_s2.loop.png").read_bytes()[:4] == b"\x89PNG"
 
@@ -343,8 +344,8 @@ def test_the_bound_itself_is_within_the_bounds(most: str) -> None:
 def test_a_trace_reads_back() -> None:
     run = loop("omni_s2").run(Scenario(rate=100.0), trace=True)
     assert run.trace is not None
-    read = np.genfromtxt(csv(run.trace, OMNI).decode().splitlines(), delimiter=",", names=True)
-    assert read.dtype.names == tuple(columns(OMNI))
+    read = np.genfromtxt(trace_csv(run.trace, OMNI).decode().splitlines(), delimiter=",", names=True)
+    assert read.dtype.names == tuple(trace_columns(OMNI))
     assert np.allclose(np.array(read.tolist()), run.trace, rtol=1e-8, atol=1e-12)
 
 
@@ -376,11 +377,16 @@ def test_python_control_and_the_c_loop_agree(name: str, plant: str, design: str)
 def test_a_plant_of_ones_own_is_swapped_in_by_its_signal_names() -> None:
     import control
 
-    from stt_codegen.loop.systems import closed_loop, names
+    from stt_codegen.loop.systems import closed_loop, signal_names
 
     n = 2
     mine = control.nlsys(
-        lambda t, x, v, p: v[:n] + v[n:], None, inputs=[*names("u", n), *names("w", n)], outputs=names("x", n), states=2, name="m"
+        lambda t, x, v, p: v[:n] + v[n:],
+        None,
+        inputs=[*signal_names("u", n), *signal_names("w", n)],
+        outputs=signal_names("x", n),
+        states=2,
+        name="m",
     )
     system = closed_loop(controller("omni_s2"), mine)
     assert system.input_labels == ["w1", "w2"]

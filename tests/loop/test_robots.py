@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from stt_codegen.designs.refined import RefinedDesign
-from stt_codegen.loop.command import Request, simulate, with_wind
-from stt_codegen.loop.simulate import Loop, Scenario, of_task, starts
+from stt_codegen.loop.command import Request, simulate, with_disturbance_bound
+from stt_codegen.loop.simulate import Loop, Scenario, random_start, scenario_of_task
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model, Plant, model, plant_of
 from stt_codegen.report.analysis import Analysis
@@ -48,7 +48,7 @@ def test_what_the_task_says_of_its_plant_is_proved_of_the_file(name: str) -> Non
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_plant_that_pushes_more_is_not_covered(name: str) -> None:
     controller, plant = robot(name)
-    assert not Analysis(controller, with_wind(plant, 10 * float(plant.w_max))).is_covered
+    assert not Analysis(controller, with_disturbance_bound(plant, 10 * float(plant.w_max))).is_covered
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -105,8 +105,8 @@ def test_loops_keep_the_tube_with_every_payload_and_wind(name: str) -> None:
     task, loop = controller.task, Loop(controller, plant)
     edges = controller.certificate.start
     for seed, wind in enumerate(("outward", "nearest", "constant", "random", "sinusoidal", "none")):
-        start = starts(edges, 0.99 * float(task.initial_set.share), seed, corner=True)
-        run = loop.run(Scenario(disturbance=wind, strength=float(plant.w_max), seed=seed, start=start, **of_task(task)))
+        start = random_start(edges, 0.99 * float(task.initial_set.share), seed, corner=True)
+        run = loop.run(Scenario(disturbance=wind, strength=float(plant.w_max), seed=seed, start=start, **scenario_of_task(task)))
         assert run.good
         assert run.kept
         proved = controller.certificate.proved_period

@@ -20,8 +20,8 @@ import stt_codegen as stt
 from stt_codegen.certify.sampled.period import prove_period
 from stt_codegen.cli.main import app
 from stt_codegen.controller.edge_errors import edge_error, rate_error
-from stt_codegen.loop.command import within_bounds
-from stt_codegen.loop.simulate import Loop, Scenario, starts
+from stt_codegen.loop.command import corner_plants
+from stt_codegen.loop.simulate import Loop, Scenario, random_start
 from stt_codegen.program.analyse.exact_logarithm import logarithm
 from stt_codegen.record.sketch import loop_times
 from stt_codegen.report.analysis import Analysis
@@ -364,10 +364,10 @@ def test_the_trolley_keeps_the_proved_bounds_with_every_worst_plant(period: str 
     sampled = controller.certificate.proved_period
     assert sampled is not None
     e_bounds = [(v - 1) / (v + 1) for v in sampled.rho]
-    for model in within_bounds(controller.task):
+    for model in corner_plants(controller.task):
         loop = Loop(controller, model)
         for seed, kind in enumerate(("outward", "nearest", "constant", "random")):
-            start = starts(controller.certificate.start, float(sampled.share), seed, corner=seed % 2 == 0)
+            start = random_start(controller.certificate.start, float(sampled.share), seed, corner=seed % 2 == 0)
             run = loop.run(
                 Scenario(
                     rate=float(1 / sampled.period),
@@ -392,7 +392,7 @@ def test_the_worst_plants_have_the_sign_of_the_gain(tool: Any) -> None:
     )
     controller = built(task)
     assert "-g_ii" in next(f.statement for f in controller.certificate.findings if f.code == "P9")
-    for model in within_bounds(task):
+    for model in corner_plants(task):
         assert Loop(controller, model).run(Scenario(rate=1000.0)).kept
         assert model.g(np.zeros(2))[0][0] < 0
 

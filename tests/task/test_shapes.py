@@ -21,8 +21,9 @@ from scipy.optimize import linprog
 from stt_codegen.certify import checker
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, SttError
-from stt_codegen.loop.compiled import Judged, Setting, driver
-from stt_codegen.loop.simulate import Loop, Scenario, _Field, doubtful
+from stt_codegen.loop.compiled import LoopResult, LoopSetting, driver
+from stt_codegen.loop.judged_sets import JudgedSets, enlarged_sets
+from stt_codegen.loop.simulate import Loop, Scenario
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.plants import PLANTS
 from stt_codegen.program.analyse.cost import cost_of
@@ -570,14 +571,14 @@ def test_a_box_that_names_all_axes_equals_the_box_without_axes() -> None:
 
 def is_collision(task: Task, point: Sequence[float]) -> bool:
     """Return whether the loop's judge calls a point a collision, by a run of no samples that starts there."""
-    field, n, x = _Field(task), task.dimension, np.array(point, dtype=float)
+    field, n, x = JudgedSets(task), task.dimension, np.array(point, dtype=float)
     box = np.array([[s * float(i == k) for k in range(n)] + [1e6] for i in range(n) for s in (-1, 1)])
-    setting = Setting(
+    setting = LoopSetting(
         n=n, sets=len(field.names), order=1, samples=0, parts=1, period=1.0, end=1.0, start=x.ctypes.data, walls=2 * n, goals=2 * n,
         space=box.ctypes.data, target=box.ctypes.data, first=field.first.ctypes.data, faces=field.faces.ctypes.data,
         radius=field.radius.ctypes.data, ends=field.ends.ctypes.data,
     )  # fmt: skip
-    verdict = Judged()
+    verdict = LoopResult()
     driver(PLANTS["integrator"], n)(ctypes.byref(setting), None, None, None, ctypes.byref(verdict), None)
     return bool(verdict.hit >= 0)
 
@@ -631,11 +632,11 @@ def test_the_judge_decides_polytopes_with_many_digits() -> None:
 
 def test_sets_that_the_judge_cannot_decide_exactly_are_named() -> None:
     simplex = "vertices = [" + ", ".join(str([float(k == i) for k in range(4)]) for i in range(5)) + "]"
-    assert doubtful(task_with_one_set(4, simplex)) == []
-    assert doubtful(task_with_one_set(4, simplex, "body = [0.1, 0.1, 0.1, 0.1]")) == ["U1"]
-    assert doubtful(task_with_one_set(4, "centre = [0, 0, 0, 0]\nradius = 1", "body = [0.1, 0.1, 0.1, 0.1]")) == []
+    assert enlarged_sets(task_with_one_set(4, simplex)) == []
+    assert enlarged_sets(task_with_one_set(4, simplex, "body = [0.1, 0.1, 0.1, 0.1]")) == ["U1"]
+    assert enlarged_sets(task_with_one_set(4, "centre = [0, 0, 0, 0]\nradius = 1", "body = [0.1, 0.1, 0.1, 0.1]")) == []
     assert (
-        doubtful(task_with_one_set(4, 'vertices = [[0, 0], [1, 0], [0, 1]]\naxes = ["a0", "a2"]', "body = [0.1, 0.1, 0.1, 0.1]"))
+        enlarged_sets(task_with_one_set(4, 'vertices = [[0, 0], [1, 0], [0, 1]]\naxes = ["a0", "a2"]', "body = [0.1, 0.1, 0.1, 0.1]"))
         == []
     )
 

@@ -60,7 +60,7 @@ def simulate(
 ) -> None:
     """Simulate a plant in closed loop with the emitted C, held between samples. Exit code 1 when the task is missed."""
     with patience(f"simulating {task}"):
-        from stt_codegen.loop import Request, doubtful
+        from stt_codegen.loop import Request, enlarged_sets
         from stt_codegen.loop import simulate as run_loop
         from stt_codegen.pipeline import build
 
@@ -71,7 +71,7 @@ def simulate(
         )  # fmt: skip
         controller = build(task, design, scalar, uncertified)
         report = run_loop(controller, request, out)
-    for name in doubtful(controller.task):
+    for name in enlarged_sets(controller.task):
         say(f"note: {controller.task.name}: {name}, grown by the body, is judged by a set that holds it; a collision may be none")
     if json:
         print_json(report.document())
