@@ -13,7 +13,7 @@ from functools import cached_property
 
 
 @dataclass(frozen=True)
-class Format:
+class FloatFormat:
     """A binary floating-point format: `precision` bits of significand, exponents of the unit bit from `lowest_exponent` to
     `highest_exponent`."""
 
@@ -44,7 +44,7 @@ class Format:
 
 # "fixed" is a controller in integers: its arguments and results are known to 20 bits, whatever units they count. So is a state,
 # whose unit is at most 2^-20 of the largest coordinate (design/lattice.py).
-FORMATS = {"float": Format(24, -126, 127), "double": Format(53, -1022, 1023), "fixed": Format(20, -1022, 1023)}
+FORMATS = {"float": FloatFormat(24, -126, 127), "double": FloatFormat(53, -1022, 1023), "fixed": FloatFormat(20, -1022, 1023)}
 
 
 def exponent_of(value: Fraction) -> int:
