@@ -46,11 +46,11 @@ def arenas(
     repository.
     """
     from benchmarks.peers.in_loops import POLICIES
-    from benchmarks.suites.command import Arenas, Where, run_arenas
+    from benchmarks.suites.command import ArenaOptions, Execution, run_arenas
 
     _with_peers(peers, "--policies", policies)
-    wanted = Arenas(family, design, count, clearance, min_width, peers, demand, policies or POLICIES)
-    if not run_arenas(wanted, Where(processes, scheduler, record, json)):
+    wanted = ArenaOptions(family, design, count, clearance, min_width, peers, demand, policies or POLICIES)
+    if not run_arenas(wanted, Execution(processes, scheduler, record, json)):
         raise typer.Exit(1)
 
 
@@ -94,10 +94,12 @@ def loop(
     Exit code 1 when a run of ours collides, leaves, or misses the target. Without peers about three minutes on two cores.
     """
     from benchmarks.peers.in_loops import POLICIES
-    from benchmarks.suites.command import Loops, Where, run_loop
+    from benchmarks.suites.command import Execution, LoopOptions, run_loop
 
     _with_peers(peers, "--policies", policies)
-    if not run_loop(Loops(count, rate, w_max, runs, peers, policies or POLICIES), Where(processes, scheduler, record, json)):
+    if not run_loop(
+        LoopOptions(count, rate, w_max, runs, peers, policies or POLICIES), Execution(processes, scheduler, record, json)
+    ):
         raise typer.Exit(1)
 
 

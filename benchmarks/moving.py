@@ -247,7 +247,7 @@ def random_discs(seed: int, count: int) -> list[list[float]]:
 
 
 @dataclass(frozen=True)
-class ArenaResult:
+class DesignResult:
     """The result of one arena. leaves_way: whether it has to have a tube. seconds: of the processor, to design and certify."""
 
     leaves_way: bool
@@ -256,21 +256,21 @@ class ArenaResult:
     reason: str = ""
 
 
-def design_result(task: Task, leaves_way: bool) -> ArenaResult:
+def design_result(task: Task, leaves_way: bool) -> DesignResult:
     """Design and certify an arena's tube."""
     begin = time.process_time()
     try:
         design = design_tube(task)
         certificate = certify(task, design, build_program(task, design))
     except NotCertified as error:
-        return ArenaResult(leaves_way, None, time.process_time() - begin, str(error))
+        return DesignResult(leaves_way, None, time.process_time() - begin, str(error))
     seconds = time.process_time() - begin
     if not certificate.holds:
-        return ArenaResult(leaves_way, None, seconds, certificate.refusal())
-    return ArenaResult(leaves_way, build_task(task, tube=design), seconds)
+        return DesignResult(leaves_way, None, seconds, certificate.refusal())
+    return DesignResult(leaves_way, build_task(task, tube=design), seconds)
 
 
-def table_row(name: str, results: list[ArenaResult]) -> str:
+def table_row(name: str, results: list[DesignResult]) -> str:
     """Return the table's row of one kind of arenas."""
     certificates = [r.controller.certificate for r in results if r.controller is not None]
     with_way, milliseconds = [r for r in results if r.leaves_way], 1e3 * np.array([r.seconds for r in results])
@@ -304,7 +304,7 @@ def run_loops(tubes: list[EmittedController], count: int) -> tuple[str, bool]:
     return summary, not collisions and not exits
 
 
-def all_results(count: int) -> dict[str, list[ArenaResult]]:
+def all_results(count: int) -> dict[str, list[DesignResult]]:
     """Return the results of all arenas, by the name of their kind. count: of the arenas of four."""
     four = [draw_moving_sets(FOUR, s) for s in range(count)]
     twenty = [draw_moving_sets(TWENTY, s) for s in range(max(1, count // 7))]
@@ -320,7 +320,7 @@ def all_results(count: int) -> dict[str, list[ArenaResult]]:
             try:
                 disc_results.append(design_result(room_task(random_discs(s, disc_count)), True))
             except BadInput as error:  # a disc at the start, or over the target
-                disc_results.append(ArenaResult(False, None, 0.0, str(error)))
+                disc_results.append(DesignResult(False, None, 0.0, str(error)))
         results[f"discs{disc_count}"] = disc_results
     return results
 

@@ -30,7 +30,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from benchmarks.peers.policy import FAMILY, HERTZ, SEEN, SPEED, Policy, observe
-from benchmarks.suites.families import BOX, cubes, feasible
+from benchmarks.suites.families import BOX, cubes, is_feasible
 
 FIRST = 100_000  # seeds of the arenas that are trained on; the benchmark has 0 to 499
 GRID = 51  # points of the map of ways along one axis
@@ -67,7 +67,7 @@ def bank(count: int, first: int) -> tuple[np.ndarray, np.ndarray]:
     """Arenas with a way, and their maps."""
     seeds, seed = [], first
     while len(seeds) < count:
-        if feasible(FAMILY, seed, 0.05):
+        if is_feasible(FAMILY, seed, 0.05):
             seeds.append(seed)
         seed += 1
     found = [cubes(FAMILY, s) for s in seeds]

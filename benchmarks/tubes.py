@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.suites.families import FAMILIES, arena_task, feasible
+from benchmarks.suites.families import FAMILIES, arena_task, is_feasible
 from stt_codegen.design.arena import arena_of, normalise, starting_box
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.refine import refine
@@ -39,7 +39,7 @@ def seeds(family: str, count: int) -> list[int]:
     found: list[int] = []
     seed = 0
     while len(found) < count:
-        if feasible(FAMILIES[family], seed):
+        if is_feasible(FAMILIES[family], seed):
             found.append(seed)
         seed += 1
     return found

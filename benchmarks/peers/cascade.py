@@ -39,7 +39,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.suites.arenas import spread
+from benchmarks.suites.arenas import run_jobs
 from benchmarks.suites.report import number
 from stt_codegen import reference
 from stt_codegen.designs.filtered import slopes_at_start
@@ -365,7 +365,7 @@ def compare(w_max: float, processes: int) -> tuple[list[list[str]], list[str], b
     """Rows, what is to be said of them, and whether ours stayed in its tube wherever that is proved."""
     if not folder().is_dir():
         return [], [f"Plants of order 2 are not compared: {folder()} is not there; it is in a checkout"], True
-    results = list(spread(partial(run, w_max=w_max), TUBES, min(processes, len(TUBES)), None))
+    results = list(run_jobs(partial(run, w_max=w_max), TUBES, min(processes, len(TUBES)), None))
     told = [m for found in results if not isinstance(found, str) for m in found]
     reading = READING.format(w_max=w_max, spare=INPUT_MARGIN_FACTOR, corner=CORNER, rate=1e3 / PERIODS[0])
     lines = [reading, *(found for found in results if isinstance(found, str))]

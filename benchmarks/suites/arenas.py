@@ -1,8 +1,7 @@
-"""Random arenas by the hundred: how many tubes are certified, how fast, how wide, how slow; literal, adaptive, refined.
+"""Design random arenas by the hundred: how many tubes are certified, how fast, how wide, how slow; literal, adaptive, refined.
 
-Each arena is one job, run in this process, in processes of this machine, or on a Dask cluster; the results do not depend
-on where. Times are processor time of one job, imports and a first design not counted. Long because jobs, families and tables
-are told together.
+benchmarks/suites/command.py calls this for `python -m benchmarks arenas`. Each arena is one job. It runs in this process, in
+several processes, or on a Dask cluster, with the same result. Times are processor time of one job, imports not counted.
 """
 
 from __future__ import annotations
@@ -20,19 +19,21 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.suites.families import BOX, FAMILIES, arena_task, feasible
+from benchmarks.suites.families import BOX, FAMILIES, arena_task, is_feasible
 from benchmarks.suites.report import number
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.design_kinds import CAPABILITIES, DesignKind
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
 
-WAIT = 30  # seconds for a first worker of a cluster
-FLOODED = 3  # dimensions up to which feasibility is decided by flood fill; beyond, every arena counts as feasible
+WORKER_TIMEOUT = 30  # seconds until a cluster must have a worker
+FLOOD_FILL_DIMENSIONS = (
+    3  # up to which flood fill decides whether an arena is feasible; with more, every arena counts as feasible
+)
 
 
 @dataclass(frozen=True)
-class Job:
-    """One arena, and what is asked of its tube."""
+class ArenaJob:
+    """One arena, by its family and seed, and how its tube is designed."""
 
     family: str
     seed: int
@@ -42,49 +43,53 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Result:
-    """What came of a job. Seconds of processor time; least_width in units; speed: bound on the edges' speed over the least
-    possible; slowest: the same for the slowest tube found (refined). `reason`: why it is not certified."""
+class ArenaResult:
+    """The result of a job.
 
-    job: Job
-    feasible: bool
+    design_seconds, certificate_seconds: processor time. smallest_width: of the tube, in units of the task. speed: bound on the
+    edges' speed, over the smallest possible speed. slowest: the same of the slowest tube that the design finds (refined). reason:
+    why it is not certified. failing: codes of the properties that do not hold.
+    """
+
+    job: ArenaJob
+    is_feasible: bool
     certified: bool
     design_seconds: float
     certificate_seconds: float
-    least_width: float = float("nan")
+    smallest_width: float = float("nan")
     speed: float = float("nan")
     slowest: float = float("nan")
     reason: str = ""
-    broken: tuple[str, ...] = ()
+    failing: tuple[str, ...] = ()
 
 
-def run(job: Job) -> Result:
+def run_arena(job: ArenaJob) -> ArenaResult:
     """Design and certify one arena."""
     from stt_codegen.pipeline import build_program, certify, design_tube
 
     family = FAMILIES[job.family]
-    _warm(job.design)
+    _warm_up(job.design)
     task = arena_task(family, job.seed, job.clearance, job.min_width).with_options(job.design)
-    reach = max(family.reach, job.clearance + job.min_width / 2)
-    way = family.dimension > FLOODED or (reach < BOX / 2 and feasible(family, job.seed, reach))
+    distance = max(family.reach, job.clearance + job.min_width / 2)
+    has_way = family.dimension > FLOOD_FILL_DIMENSIONS or (distance < BOX / 2 and is_feasible(family, job.seed, distance))
     begin = time.process_time()
     try:
         design = design_tube(task)
     except NotCertified as error:
-        return Result(job, way, False, time.process_time() - begin, 0.0, reason=str(error))
+        return ArenaResult(job, has_way, False, time.process_time() - begin, 0.0, reason=str(error))
     middle = time.process_time()
     certificate = certify(task, design, build_program(task, design))
     end = time.process_time()
-    speed, slowest = _speeds(job, certificate)
-    return Result(
-        job, way, certificate.holds, middle - begin, end - middle, float(certificate.minimum_width), speed, slowest,
+    speed, slowest = _relative_speeds(job, certificate)
+    return ArenaResult(
+        job, has_way, certificate.holds, middle - begin, end - middle, float(certificate.minimum_width), speed, slowest,
         "" if certificate.holds else certificate.refusal(), tuple(sorted({f.code for f in certificate.failures})),
     )  # fmt: skip
 
 
 @cache
-def _warm(design: str) -> None:
-    """Pay for imports and caches before the first time is taken."""
+def _warm_up(design: str) -> None:
+    """Design one arena, so that imports and caches do not count as time of the first job."""
     from stt_codegen.pipeline import build_program, certify, design_tube
 
     task = arena_task(FAMILIES["paper"], 0).with_options(design)
@@ -92,9 +97,12 @@ def _warm(design: str) -> None:
     certify(task, tube, build_program(task, tube))
 
 
-def _speeds(job: Job, certificate: Certificate) -> tuple[float, float]:
-    """The shipped tube's speed bound and the slowest tube's, over the least possible: the shortest route in the
-    largest-component metric among unsafe sets grown by clearance + min_width / 2, over t_c."""
+def _relative_speeds(job: ArenaJob, certificate: Certificate) -> tuple[float, float]:
+    """Return the speed bounds of the certified tube and of the slowest tube, over the smallest possible speed.
+
+    That is the length of the shortest route over t_c, in the largest-component metric, among unsafe sets grown by clearance +
+    min_width / 2. NaN where a number is not known.
+    """
     from stt_codegen.certify.exact import certify_refined
     from stt_codegen.design.arena import arena_of, starting_box
     from stt_codegen.design.refine import refine
@@ -104,24 +112,27 @@ def _speeds(job: Job, certificate: Certificate) -> tuple[float, float]:
     arena = arena_of(task)
     try:
         route = find_corner_route(arena, starting_box(arena), np.full(arena.dimension, arena.min_width))
-    except NotCertified:  # a literal tube of an arena in which no other could start
+    except NotCertified:  # a literal tube may exist where no route with the smallest width begins
         route = None
     if route is None:
         return float("nan"), float("nan")
-    least = route.length / arena.prescribed_time
+    smallest_speed = route.length / arena.prescribed_time
     slowest = float("nan")
     if CAPABILITIES[job.design].offers_widths and certificate.holds and FAMILIES[job.family].length is None:
         slow = certify_refined(task, refine(task.changed(tube={"prefer": "slow"})), certificate.edge_error)
-        slowest = float(max(slow.speed)) / least
-    return float(max(certificate.speed)) / least, slowest
+        slowest = float(max(slow.speed)) / smallest_speed
+    return float(max(certificate.speed)) / smallest_speed, slowest
 
 
-# ------------------------------------------------------------------------------------------------- where
+# ------------------------------------------------------------------------------------------------- execution
 
 
-def spread(work: Callable[[Any], Any], items: Sequence[Any], processes: int, scheduler: str | None) -> Iterator[Any]:
-    """`work` of every item, in any order: in this process (processes 1), in some of this machine, or on a Dask cluster.
-    `work` must be importable there."""
+def run_jobs(work: Callable[[Any], Any], items: Sequence[Any], processes: int, scheduler: str | None) -> Iterator[Any]:
+    """Yield `work(item)` of every item, in any order.
+
+    It runs in this process (processes = 1), in several processes, or on the workers of the Dask cluster at the address
+    `scheduler`, which must be able to import `work`. Raises BadInput, MissingTool or SttError where the cluster fails.
+    """
     if scheduler is not None:
         yield from _on_cluster(work, items, scheduler)
     elif processes == 1:
@@ -135,6 +146,7 @@ def spread(work: Callable[[Any], Any], items: Sequence[Any], processes: int, sch
 
 
 def _on_cluster(work: Callable[[Any], Any], items: Sequence[Any], scheduler: str) -> Iterator[Any]:
+    """Yield `work(item)` of every item, computed by a Dask cluster."""
     try:
         import distributed
     except ImportError:
@@ -145,9 +157,9 @@ def _on_cluster(work: Callable[[Any], Any], items: Sequence[Any], scheduler: str
         raise BadInput(f"--scheduler {scheduler}: no Dask scheduler answers there ({error})") from None
     with client:
         try:
-            client.wait_for_workers(1, timeout=WAIT)
+            client.wait_for_workers(1, timeout=WORKER_TIMEOUT)
         except TimeoutError:
-            raise BadInput(f"--scheduler {scheduler}: it has no worker, and none came within {WAIT} s") from None
+            raise BadInput(f"--scheduler {scheduler}: it has no worker, and none came within {WORKER_TIMEOUT} s") from None
         done: Any = distributed.as_completed(client.map(work, items, pure=False))  # type: ignore[no-untyped-call]
         for future in done:
             if future.status != "finished":  # an error of the work itself, a worker or the scheduler lost
@@ -158,7 +170,7 @@ def _on_cluster(work: Callable[[Any], Any], items: Sequence[Any], scheduler: str
 def _cause(future: Any) -> str:
     try:
         return f"{future.exception(timeout=1)}"
-    except Exception as error:  # the cluster is gone: nothing more is to be had
+    except Exception as error:  # the cluster may be lost, and then there is no other reason to give
         return str(error)
 
 
@@ -167,7 +179,7 @@ def _cause(future: Any) -> str:
 
 @dataclass(frozen=True)
 class Summary:
-    """A family and design in numbers; times in ms."""
+    """A family and design in numbers: counts of arenas, times in ms, and by property how many tubes violate it."""
 
     family: str
     design: str
@@ -178,43 +190,43 @@ class Summary:
     design_ms: tuple[float, float]  # median, 95 %
     certificate_ms: tuple[float, float]
     both_ms: tuple[float, float]
-    least_width: float
+    smallest_width: float
     speed: tuple[float, float]
     slowest: tuple[float, float]
-    broken: dict[str, int]
+    failing: dict[str, int]
     missed: tuple[tuple[int, str], ...]  # seed and reason, of the feasible ones
 
 
-def summary(results: Iterable[Result]) -> Summary:
-    """Counts and quantiles over the results of one family and design."""
-    found = sorted(results, key=lambda r: r.job.seed)
-    good = [r for r in found if r.certified]
+def summarize(results: Iterable[ArenaResult]) -> Summary:
+    """Return counts and quantiles over the results of one family and design."""
+    by_seed = sorted(results, key=lambda r: r.job.seed)
+    certified = [r for r in by_seed if r.certified]
 
-    def spread_of(values: list[float]) -> tuple[float, float]:
+    def median_and_95(values: list[float]) -> tuple[float, float]:
         known = [v for v in values if np.isfinite(v)]
         return (float(np.median(known)), float(np.percentile(known, 95))) if known else (float("nan"), float("nan"))
 
     return Summary(
-        family=found[0].job.family,
-        design=found[0].job.design,
-        arenas=len(found),
-        feasible=sum(r.feasible for r in found),
-        certified=len(good),
-        certified_of_feasible=sum(r.feasible for r in good),
-        design_ms=spread_of([1e3 * r.design_seconds for r in found]),
-        certificate_ms=spread_of([1e3 * r.certificate_seconds for r in good]),
-        both_ms=spread_of([1e3 * (r.design_seconds + r.certificate_seconds) for r in good]),
-        least_width=spread_of([r.least_width for r in good])[0],
-        speed=spread_of([r.speed for r in good]),
-        slowest=spread_of([r.slowest for r in good]),
-        broken=dict(Counter(code for r in found for code in r.broken)),
-        missed=tuple((r.job.seed, r.reason) for r in found if r.feasible and not r.certified),
+        family=by_seed[0].job.family,
+        design=by_seed[0].job.design,
+        arenas=len(by_seed),
+        feasible=sum(r.is_feasible for r in by_seed),
+        certified=len(certified),
+        certified_of_feasible=sum(r.is_feasible for r in certified),
+        design_ms=median_and_95([1e3 * r.design_seconds for r in by_seed]),
+        certificate_ms=median_and_95([1e3 * r.certificate_seconds for r in certified]),
+        both_ms=median_and_95([1e3 * (r.design_seconds + r.certificate_seconds) for r in certified]),
+        smallest_width=median_and_95([r.smallest_width for r in certified])[0],
+        speed=median_and_95([r.speed for r in certified]),
+        slowest=median_and_95([r.slowest for r in certified]),
+        failing=dict(Counter(code for r in by_seed for code in r.failing)),
+        missed=tuple((r.job.seed, r.reason) for r in by_seed if r.is_feasible and not r.certified),
     )
 
 
 @dataclass(frozen=True)
-class Part:
-    """One row of the table: so many arenas of a family, designed so."""
+class ArenaPart:
+    """One row of the table: the first `count` arenas of a family, and how their tubes are designed."""
 
     family: str
     design: DesignKind
@@ -222,8 +234,8 @@ class Part:
     clearance: float = 0.03
     min_width: float = 0.05
 
-    def jobs(self) -> list[Job]:
-        return [Job(self.family, seed, self.design, self.clearance, self.min_width) for seed in range(self.count)]
+    def jobs(self) -> list[ArenaJob]:
+        return [ArenaJob(self.family, seed, self.design, self.clearance, self.min_width) for seed in range(self.count)]
 
     @property
     def name(self) -> str:
@@ -234,20 +246,20 @@ class Part:
         return f"{self.family} ({family.dimension}-D, {sets}{options})"
 
 
-EVERYTHING = (
-    Part("paper", "refined", 500),
-    Part("paper", "refined", 500, 0.02, 0.04),
-    Part("dense12", "refined", 200),
-    Part("dense24", "refined", 200),
-    Part("space3", "refined", 200),
-    Part("space6", "refined", 100),
-    Part("corridor", "refined", 3),
-    Part("discs", "refined", 200),
-    Part("balls", "refined", 100),
-    Part("polygons", "refined", 200),
-    Part("solids", "refined", 100),
-    Part("paper", "adaptive", 500),
-    Part("paper", "literal", 300),
+USUAL_PARTS = (
+    ArenaPart("paper", "refined", 500),
+    ArenaPart("paper", "refined", 500, 0.02, 0.04),
+    ArenaPart("dense12", "refined", 200),
+    ArenaPart("dense24", "refined", 200),
+    ArenaPart("space3", "refined", 200),
+    ArenaPart("space6", "refined", 100),
+    ArenaPart("corridor", "refined", 3),
+    ArenaPart("discs", "refined", 200),
+    ArenaPart("balls", "refined", 100),
+    ArenaPart("polygons", "refined", 200),
+    ArenaPart("solids", "refined", 100),
+    ArenaPart("paper", "adaptive", 500),
+    ArenaPart("paper", "literal", 300),
 )
 HEADINGS = (
     "family", "design", "certified of feasible", "of all", "design ms", "certificate ms", "both ms", "least width",
@@ -255,47 +267,50 @@ HEADINGS = (
 )  # fmt: skip
 
 
-def row(part: Part, s: Summary) -> list[str]:
-    """A summary as the cells of HEADINGS; two figures are median and 95 %."""
+def table_row(part: ArenaPart, s: Summary) -> list[str]:
+    """Return a summary as the cells of HEADINGS; two figures are median and 95 %."""
 
     def pair(values: tuple[float, float]) -> str:
         return f"{number(values[0])} / {number(values[1])}"
 
     return [
         part.name, s.design, f"{s.certified_of_feasible} of {s.feasible}", f"{s.certified} of {s.arenas}", pair(s.design_ms),
-        pair(s.certificate_ms), pair(s.both_ms), number(s.least_width), pair(s.speed), pair(s.slowest),
+        pair(s.certificate_ms), pair(s.both_ms), number(s.smallest_width), pair(s.speed), pair(s.slowest),
     ]  # fmt: skip
 
 
-def failures(part: Part, s: Summary) -> list[str]:
-    """Lines on what is not certified: properties that fail, then every feasible arena missed, unless the design never holds."""
+def failure_lines(part: ArenaPart, s: Summary) -> list[str]:
+    """Return lines about tubes that are not certified: the properties that fail, then the feasible arenas without a tube.
+
+    The arenas are left out where no tube of the design is certified.
+    """
     lines = []
-    if s.broken:
-        lines.append(f"{part.name}, {s.design}: fails " + ", ".join(f"{c} in {n}" for c, n in sorted(s.broken.items())))
+    if s.failing:
+        lines.append(f"{part.name}, {s.design}: fails " + ", ".join(f"{c} in {n}" for c, n in sorted(s.failing.items())))
     if s.certified:
         seeds: dict[str, list[str]] = {}
         for seed, reason in s.missed:
             seeds.setdefault(reason, []).append(str(seed))
-        for reason, own in seeds.items():
-            lines.append(f"{part.name}, {s.design}: missed seed{'s' if len(own) > 1 else ''} {', '.join(own)}: {reason}")
+        for reason, missed in seeds.items():
+            lines.append(f"{part.name}, {s.design}: missed seed{'s' if len(missed) > 1 else ''} {', '.join(missed)}: {reason}")
     return lines
 
 
 def run_peers(count: int, processes: int, policies: Path) -> tuple[dict[str, list[Any]], dict[str, float]]:
-    """Outcomes of every peer on the paper's arenas, by name, and the steps' times."""
+    """Return the outcomes of every peer on the paper's arenas, by name, and the times of the barrier filter's steps and ours."""
     from benchmarks.peers.barrier import step_times
     from benchmarks.peers.in_arenas import all_peers
 
-    found = {}
+    outcomes = {}
     for k, peer in enumerate(all_peers(policies)):
         items = [(k, seed, policies) for seed in range(min(count, peer.sample or count))]
-        # never in this process: a peer's threads are not ours
-        found[peer.name] = list(spread(ask_peer, items, max(processes, 2), None))
-    return found, step_times(range(min(count, 100)))
+        # never in this process: a peer may start threads that do not end
+        outcomes[peer.name] = list(run_jobs(run_peer, items, max(processes, 2), None))
+    return outcomes, step_times(range(min(count, 100)))
 
 
-def ask_peer(item: tuple[int, int, Path]) -> Any:
-    """One peer on one of the paper's arenas."""
+def run_peer(item: tuple[int, int, Path]) -> Any:
+    """Run a peer on one of the paper's arenas. item: index of the peer, seed of the arena, folder of policies."""
     from benchmarks.peers.in_arenas import all_peers
 
     return all_peers(item[2])[item[0]].run(FAMILIES["paper"], item[1])

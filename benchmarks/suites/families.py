@@ -1,9 +1,8 @@
-"""Random reach-avoid arenas, the same for every test and benchmark: a seed gives axis-aligned cubes in [0, side]^n, or balls and
-polytopes within such cubes.
+"""Random reach-avoid arenas, the same for every test and benchmark.
 
-Start [0, 0.5]^n, target [side - 0.5, side]^n, 9 s. Unsafe cubes touch neither and may overlap one another. Four unit
-squares in [0, 5]^2 is the paper's benchmark. A corridor is long in its first dimension and has upright slabs one behind the
-other, with gaps between.
+A seed gives axis-aligned cubes in [0, side]^n, or balls and polytopes within such cubes. The start is [0, 0.5]^n, the target
+[side - 0.5, side]^n, the prescribed time 9 s. Unsafe cubes touch neither, and may overlap each other. Four unit squares in
+[0, 5]^2 are the paper's benchmark. A corridor is long in its first dimension, and has upright slabs with gaps between them.
 """
 
 from __future__ import annotations
@@ -17,16 +16,19 @@ import numpy.typing as npt
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
 
-BOX = 0.5
-CORNERS = 6  # points of a polytope
-FINE = {2: 0.02, 3: 0.05}  # cells of the search that tells whether shapes leave a way
+BOX = 0.5  # width of start and target
+POLYTOPE_POINTS = 6  # whose hull is a polytope
+CELL_SIZES = {2: 0.02, 3: 0.05}  # by dimension, of the grid on which a way among balls and polytopes is searched
 Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Family:
-    """A family of arenas: so many cubes of this size in [0, side]^dimension, or in a corridor of this length. `reach`: an arena
-    counts as feasible when a point keeps this much from every unsafe set."""
+    """A family of arenas: `count` cubes of this size in [0, side]^dimension, or in a corridor of this length.
+
+    reach: an arena counts as feasible when a point gets to the target at this distance from every unsafe set. shape: of the
+    unsafe sets, each in its cube.
+    """
 
     name: str
     count: int = 4
@@ -44,7 +46,7 @@ class Family:
 
     @property
     def prescribed_time(self) -> float:
-        """Seconds; a corridor takes as long a unit as the paper's arena."""
+        """Seconds; per unit of length a corridor has as many as the paper's arena."""
         return 9.0 * self.upper[0] / self.side
 
 
@@ -66,42 +68,42 @@ FAMILIES = {
 
 
 def cubes(family: Family, seed: int) -> Array:
-    """The unsafe cubes of one arena, shape (count, dimension, 2): lower and upper edge by dimension."""
-    random = np.random.default_rng(seed)
+    """Return the unsafe cubes of one arena, (count, dimension, 2): lower and upper edge by dimension."""
+    rng = np.random.default_rng(seed)
     n, side = family.dimension, family.side
     if family.length is not None:
         pitch = (family.length - 4.0) / family.count
         left = 2.0 + pitch * np.arange(family.count)
-        low = random.uniform(0.0, side - family.size, family.count)
+        low = rng.uniform(0.0, side - family.size, family.count)
         thick = min(family.size, 0.6 * pitch)
         return np.stack([np.stack([left, left + thick], axis=1), np.stack([low, low + family.size], axis=1)], axis=1)
-    free = (np.array([[0.0, BOX]] * n), np.array([[side - BOX, side]] * n))
-    found: list[Array] = []
-    while len(found) < family.count:
-        corner = random.uniform(0.0, side - family.size, n)
+    start_and_target = (np.array([[0.0, BOX]] * n), np.array([[side - BOX, side]] * n))
+    accepted: list[Array] = []
+    while len(accepted) < family.count:
+        corner = rng.uniform(0.0, side - family.size, n)
         cube = np.stack([corner, corner + family.size], axis=1)
-        if not any(np.all((cube[:, 0] < f[:, 1]) & (f[:, 0] < cube[:, 1])) for f in free):
-            found.append(cube)
-    return np.array(found)
+        if not any(np.all((cube[:, 0] < box[:, 1]) & (box[:, 0] < cube[:, 1])) for box in start_and_target):
+            accepted.append(cube)
+    return np.array(accepted)
 
 
-def tables(family: Family, seed: int) -> list[str]:
-    """The unsafe sets of one arena as lines of a task file: the cubes, the balls in them, or hulls of points in them."""
-    random, found = np.random.default_rng((seed, 1)), []
+def unsafe_tables(family: Family, seed: int) -> list[str]:
+    """Return the unsafe sets of one arena as text of a task file: the cubes, the balls in them, or hulls of points in them."""
+    rng, texts = np.random.default_rng((seed, 1)), []
     for cube in cubes(family, seed):
         low, high = cube[:, 0], cube[:, 1]
         if family.shape == "ball":
-            found.append(f"centre = {((low + high) / 2).tolist()}\nradius = {family.size / 2}")
+            texts.append(f"centre = {((low + high) / 2).tolist()}\nradius = {family.size / 2}")
         elif family.shape == "polytope":
-            points = np.round(random.uniform(low, high, (CORNERS, family.dimension)), 3)
-            found.append(f"vertices = {points.tolist()}")
+            points = np.round(rng.uniform(low, high, (POLYTOPE_POINTS, family.dimension)), 3)
+            texts.append(f"vertices = {points.tolist()}")
         else:
-            found.append(f"lower = {low.tolist()}\nupper = {high.tolist()}")
-    return found
+            texts.append(f"lower = {low.tolist()}\nupper = {high.tolist()}")
+    return texts
 
 
 def arena_text(family: Family, seed: int, clearance: float = 0.03, min_width: float = 0.05) -> str:
-    """One arena as the text of a task file."""
+    """Return one arena as the text of a task file."""
     n, upper = family.dimension, list(family.upper)
 
     def box(low: list[float], high: list[float]) -> str:
@@ -114,22 +116,24 @@ def arena_text(family: Family, seed: int, clearance: float = 0.03, min_width: fl
         "[target_set]\n" + box([v - BOX for v in upper], upper),
         f"[tube]\nclearance = {clearance}\nmin_width = {min_width}\n",
     ]
-    for k, table in enumerate(tables(family, seed), 1):
+    for k, table in enumerate(unsafe_tables(family, seed), 1):
         parts.append(f'[[unsafe]]\nname = "U{k}"\n{table}\n')
     return "\n".join(parts)
 
 
 def arena_task(family: Family, seed: int, clearance: float = 0.03, min_width: float = 0.05) -> Task:
-    """One arena as a task."""
+    """Return one arena as a task."""
     return parse_task(arena_text(family, seed, clearance, min_width), f"{family.name} {seed}")
 
 
-def feasible(family: Family, seed: int, reach: float | None = None) -> bool:
-    """Whether a point can go from the start's centre to the target's centre when every cube grows, and the space
-    shrinks, by `reach` < 0.25 (the family's when None). Exact: flood fill of the cells between the cubes' edges. Of other shapes
-    fine cells count by their middles."""
+def is_feasible(family: Family, seed: int, reach: float | None = None) -> bool:
+    """Return whether a point gets from the start's centre to the target's at a distance of `reach` from every set and wall.
+
+    reach: below 0.25; None for the family's. The answer is exact for cubes: flood fill of the cells between their grown edges.
+    Among other shapes it is about the middles of small cells.
+    """
     if family.shape != "cube":
-        return _fine(family, seed, family.reach if reach is None else reach)
+        return _is_feasible_on_grid(family, seed, family.reach if reach is None else reach)
     boxes, n = cubes(family, seed), family.dimension
     reach = family.reach if reach is None else reach
     edges = []
@@ -146,34 +150,34 @@ def feasible(family: Family, seed: int, reach: float | None = None) -> bool:
             spans.append(slice(*np.searchsorted(middles, (box[i, 0] - reach, box[i, 1] + reach))))
         free[tuple(spans)] = False
 
-    return _joined(family, edges, free)
+    return _has_path(family, edges, free)
 
 
-def _fine(family: Family, seed: int, reach: float) -> bool:
-    """Cells of FINE: free where the middle keeps `reach`, in the largest component, from every true set and from the walls."""
-    n, step = family.dimension, FINE[family.dimension]
+def _is_feasible_on_grid(family: Family, seed: int, reach: float) -> bool:
+    """Return whether a path of cells exists whose middles keep `reach`, by component, from every set and from the walls."""
+    step = CELL_SIZES[family.dimension]
     edges = [np.linspace(reach, v - reach, round((v - 2 * reach) / step) + 1) for v in family.upper]
     middles = [(axis[:-1] + axis[1:]) / 2 for axis in edges]
     points = np.stack(np.meshgrid(*middles, indexing="ij"), axis=-1)
     free = np.ones(points.shape[:-1], dtype=bool)
-    for one in arena_task(family, seed).unsafe_sets:
+    for unsafe in arena_task(family, seed).unsafe_sets:
         if family.shape == "ball":
-            core = [(float(one.segment_ends[0][i]),) * 2 for i in range(n)]
+            centre = [float(v) for v in unsafe.segment_ends[0]]
             gaps = [
-                np.maximum(np.maximum(a - reach - points[..., i], points[..., i] - b - reach), 0) for i, (a, b) in enumerate(core)
+                np.maximum(np.maximum(c - reach - points[..., i], points[..., i] - c - reach), 0) for i, c in enumerate(centre)
             ]
-            free &= np.sum(np.square(gaps), axis=0) >= float(one.radius) ** 2
+            free &= np.sum(np.square(gaps), axis=0) >= float(unsafe.radius) ** 2
         else:
-            beyond = [
+            is_beyond_face = [
                 points @ np.array(normal, dtype=float) >= float(offset) + reach * sum(map(abs, normal))
-                for normal, offset in one.faces
+                for normal, offset in unsafe.faces
             ]
-            free &= np.any(beyond, axis=0)
-    return _joined(family, edges, free)
+            free &= np.any(is_beyond_face, axis=0)
+    return _has_path(family, edges, free)
 
 
-def _joined(family: Family, edges: list[Array], free: npt.NDArray[np.bool_]) -> bool:
-    """Whether free cells lead from the start's centre to the target's."""
+def _has_path(family: Family, edges: list[Array], free: npt.NDArray[np.bool_]) -> bool:
+    """Return whether free cells lead from the start's centre to the target's. edges: of the cells, by axis. Changes `free`."""
     n = family.dimension
 
     def cell(point: list[float]) -> tuple[int, ...]:
@@ -185,13 +189,13 @@ def _joined(family: Family, edges: list[Array], free: npt.NDArray[np.bool_]) -> 
     free[start] = False
     stack = [start]
     while stack:
-        here = stack.pop()
-        if here == goal:
+        current = stack.pop()
+        if current == goal:
             return True
         for i in range(n):
             for step in (-1, 1):
-                there = (*here[:i], here[i] + step, *here[i + 1 :])
-                if 0 <= there[i] < free.shape[i] and free[there]:
-                    free[there] = False
-                    stack.append(there)
+                neighbour = (*current[:i], current[i] + step, *current[i + 1 :])
+                if 0 <= neighbour[i] < free.shape[i] and free[neighbour]:
+                    free[neighbour] = False
+                    stack.append(neighbour)
     return False

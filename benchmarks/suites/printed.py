@@ -14,7 +14,7 @@ from benchmarks.peers.in_arenas import Outcome, all_peers
 from benchmarks.peers.in_loops import GRIDS, POLICIES, ROBOT
 from benchmarks.peers.policy import load_policy
 from benchmarks.peers.symbolic import Abstraction, synthesize, tried
-from benchmarks.suites.families import FAMILIES, cubes, feasible
+from benchmarks.suites.families import FAMILIES, cubes, is_feasible
 from benchmarks.suites.report import number
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.errors import MissingTool
@@ -109,7 +109,7 @@ def _training(name: str, policies: Path) -> str:
 def ways(count: int) -> str:
     """How many of the arenas have a way at all."""
     reaches = (1e-6, 0.02, 0.055, 0.1)  # 5.5 cm: half of min_width, and the clearance
-    having = [sum(feasible(PAPER, seed, reach) for seed in range(count)) for reach in reaches]
+    having = [sum(is_feasible(PAPER, seed, reach) for seed in range(count)) for reach in reaches]
     return (
         f"Of {count} arenas {having[0]} have a way for a point, {having[1]} for one that keeps 2 cm, "
         f"{having[2]} for one that keeps 5.5 cm and {having[3]} for one that keeps 10 cm from everything."

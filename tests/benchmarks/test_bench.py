@@ -12,17 +12,20 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks.command_line import suites
-from benchmarks.suites.arenas import EVERYTHING, Job, Part, Result, run, spread, summary
-from benchmarks.suites.command import Arenas, parts_of
-from benchmarks.suites.families import FAMILIES, arena_task, cubes, feasible
+from benchmarks.suites.arenas import USUAL_PARTS, ArenaJob, ArenaPart, ArenaResult, run_arena, run_jobs, summarize
+from benchmarks.suites.command import ArenaOptions, parts_of
+from benchmarks.suites.families import FAMILIES, arena_task, cubes, is_feasible
 from benchmarks.suites.report import record, table
 from stt_codegen.errors import BadInput
 from tests.support.controllers import ROOT
 
-JOBS = [Job("paper", seed, "refined") for seed in (0, 25, 3)] + [Job("space3", 1, "refined"), Job("paper", 1, "adaptive")]
+JOBS = [ArenaJob("paper", seed, "refined") for seed in (0, 25, 3)] + [
+    ArenaJob("space3", 1, "refined"),
+    ArenaJob("paper", 1, "adaptive"),
+]
 
 
-def without_times(results: list[Result]) -> list[str]:
+def without_times(results: list[ArenaResult]) -> list[str]:
     """Return results without their times, as text and in order; as text NaNs compare equal."""
     plain = [dataclasses.replace(r, design_seconds=0.0, certificate_seconds=0.0) for r in results]
     return sorted(repr(r) for r in plain)
@@ -31,46 +34,46 @@ def without_times(results: list[Result]) -> list[str]:
 @pytest.mark.slow
 def test_processes_and_a_cluster_of_two_workers_give_the_same_results() -> None:
     distributed = pytest.importorskip("distributed", reason="pip install stt-codegen[cluster]")
-    expected = without_times(list(spread(run, JOBS, 1, None)))
-    assert without_times(list(spread(run, JOBS, 2, None))) == expected
+    expected = without_times(list(run_jobs(run_arena, JOBS, 1, None)))
+    assert without_times(list(run_jobs(run_arena, JOBS, 2, None))) == expected
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
-        assert without_times(list(spread(run, JOBS, 1, cluster.scheduler_address))) == expected
+        assert without_times(list(run_jobs(run_arena, JOBS, 1, cluster.scheduler_address))) == expected
 
 
 @pytest.mark.slow
 def test_a_missing_scheduler_is_reported_with_one_message() -> None:
     with pytest.raises(BadInput, match="no Dask scheduler answers there"):
-        list(spread(run, JOBS[:1], 1, "127.0.0.1:9"))
+        list(run_jobs(run_arena, JOBS[:1], 1, "127.0.0.1:9"))
 
 
 def test_a_result_says_why_an_arena_is_not_certified() -> None:
-    blocked, good = run(Job("paper", 25, "refined")), run(Job("paper", 0, "refined"))
+    blocked, good = run_arena(ArenaJob("paper", 25, "refined")), run_arena(ArenaJob("paper", 0, "refined"))
     assert not blocked.certified
-    assert not blocked.feasible
+    assert not blocked.is_feasible
     assert "min_width" in blocked.reason
     assert good.certified
     assert not good.reason
     # The slowest tube is no faster than the shipped one; 0.95 is nearly the smallest speed that the geometry allows.
     assert 0.95 <= good.slowest <= good.speed * 1.0001
-    literal = run(Job("paper", 0, "literal"))
+    literal = run_arena(ArenaJob("paper", 0, "literal"))
     assert not literal.certified
-    assert {"P4", "P5"} <= set(literal.broken)
+    assert {"P4", "P5"} <= set(literal.failing)
 
 
 def test_a_summary_counts_arenas_by_their_result() -> None:
-    results = [run(Job("paper", seed, "refined")) for seed in (24, 25, 26)]
-    counts = summary(results)
+    results = [run_arena(ArenaJob("paper", seed, "refined")) for seed in (24, 25, 26)]
+    counts = summarize(results)
     assert (counts.arenas, counts.feasible, counts.certified, counts.certified_of_feasible) == (3, 2, 2, 2)
     assert counts.missed == ()
     assert counts.design_ms[0] == np.median([1e3 * r.design_seconds for r in results])
 
 
 def test_the_full_plan_has_every_family_and_arenas_with_less_clearance() -> None:
-    assert {p.family for p in EVERYTHING} == set(FAMILIES)
-    assert Part("paper", "refined", 500, 0.02, 0.04) in parts_of(Arenas())
-    assert parts_of(Arenas(["dense12"], ["refined"], 7)) == [Part("dense12", "refined", 7)]
+    assert {p.family for p in USUAL_PARTS} == set(FAMILIES)
+    assert ArenaPart("paper", "refined", 500, 0.02, 0.04) in parts_of(ArenaOptions())
+    assert parts_of(ArenaOptions(["dense12"], ["refined"], 7)) == [ArenaPart("dense12", "refined", 7)]
     with pytest.raises(BadInput, match="--family moon"):
-        parts_of(Arenas(["moon"]))
+        parts_of(ArenaOptions(["moon"]))
 
 
 def test_a_corridor_has_slabs_one_after_the_other_and_always_a_route() -> None:
@@ -80,7 +83,7 @@ def test_a_corridor_has_slabs_one_after_the_other_and_always_a_route() -> None:
         assert (boxes[1:, 0, 0] > boxes[:-1, 0, 1]).all()
         assert (boxes[:, 0, 0] >= 2.0).all()
         assert (boxes[:, 0, 1] <= 22.0).all()
-        assert feasible(family, seed, 0.06)
+        assert is_feasible(family, seed, 0.06)
         task = arena_task(family, seed)
         assert float(task.state_space.upper[0]) == 24.0
         assert float(task.prescribed_time) == pytest.approx(9.0 * 24 / 5)

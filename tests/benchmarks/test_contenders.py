@@ -21,8 +21,7 @@ from benchmarks.peers.policy import DIRECTIONS, HERTZ, SEEN, SPEED, Policy, load
 from benchmarks.peers.symbolic import NEVER, NONE, Abstraction, GridController, synthesize, tried
 from benchmarks.suites import printed
 from benchmarks.suites.families import BOX, FAMILIES, cubes
-from benchmarks.suites.loop import Job, rows, worth
-from benchmarks.suites.loop import run as run_job
+from benchmarks.suites.loop import LoopJob, run_job, strengths, table_rows
 from benchmarks.suites.report import table
 from stt_codegen.loop.simulate import Run
 from tests.benchmarks.test_peers import needs
@@ -282,7 +281,7 @@ def test_a_path_of_a_star_has_its_stated_clearance() -> None:
 def outcome():
     """Return the outcome of one small job with all peers."""
     needs("gcc", "osqp", "pyastar2d")
-    return run_job(Job(OPEN, runs=3, peers=True, policies=Path("nowhere")))
+    return run_job(LoopJob(OPEN, runs=3, peers=True, policies=Path("nowhere")))
 
 
 def test_every_controller_runs_and_is_judged(outcome) -> None:
@@ -296,31 +295,31 @@ def test_every_controller_runs_and_is_judged(outcome) -> None:
         assert all(good[name])
     assert all(good["symbolic control, 100 x 100, swept"])
     assert 0 < outcome.steps["own"] < outcome.steps["predictive control, our tube as reference"]
-    row_of = {row[0]: row for row in rows([outcome])}
+    row_of = {row[0]: row for row in table_rows([outcome])}
     assert row_of["own"][4:9] == ["0", "0", "0", "100.0 %", "100.0 %"]
     assert row_of["literal tube (the paper's)"][8] == "0.0 %"
 
 
 def test_a_controller_that_does_not_exist_for_an_arena_is_counted_apart_from_one_that_fails(outcome) -> None:
     nobody = replace(outcome, runs={**outcome.runs, "barrier filter": ()})
-    row = next(r for r in rows([outcome, nobody]) if r[0] == "barrier filter")
+    row = next(r for r in table_rows([outcome, nobody]) if r[0] == "barrier filter")
     assert row[1:4] == ["2", "1", "3"]
 
 
 def test_a_controller_that_does_nothing_does_not_reach_the_target(outcome) -> None:
     """The judge counts it as not arrived."""
     from benchmarks.suites.families import arena_task
-    from benchmarks.suites.loop import _tube_of, scenarios_of
+    from benchmarks.suites.loop import certified_tube, scenarios_of
     from stt_codegen.loop.simulate import Loop
     from stt_codegen.plants import PLANTS
 
     task = arena_task(PAPER, OPEN)
-    tube = _tube_of(task)
+    tube = certified_tube(task)
     loop = Loop(contenders.build_task(task), PLANTS["integrator"])
     still = held(
         "static int decide(real t, const real *x, real *u)\n{\n    u[0] = u[1] = 0;\n    return 0;\n}\n", 2, 20, loop.loaded.tube
     )
-    ready = Ground(OPEN, 0.0, loop, scenarios_of(Job(OPEN, runs=1), tube, 0.5)).with_step(still)
+    ready = Ground(OPEN, 0.0, loop, scenarios_of(LoopJob(OPEN, runs=1), tube, 0.5)).with_step(still)
     assert ready is not None
     assert not ready[0].run(ready[1][0]).reached
     assert seconds_a_step(still, np.zeros((10, 3))) > 0
@@ -328,8 +327,8 @@ def test_a_controller_that_does_nothing_does_not_reach_the_target(outcome) -> No
 
 def test_a_trained_policy_is_in_the_table(tmp_path: Path) -> None:
     random_policy(1).save(tmp_path / "policy_1.npz")
-    assert [row[0] for row in worth(tmp_path)][-1] == "reinforcement learning (PPO), seed 1"
-    assert len(worth(tmp_path / "none")) == len(CONTENDERS)
+    assert [row[0] for row in strengths(tmp_path)][-1] == "reinforcement learning (PPO), seed 1"
+    assert len(strengths(tmp_path / "none")) == len(CONTENDERS)
 
 
 def test_every_controller_states_its_guarantee_and_what_it_does_better() -> None:

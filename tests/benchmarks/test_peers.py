@@ -22,15 +22,15 @@ import stt_codegen as stt
 from benchmarks.peers import barrier, cascade
 from benchmarks.peers import in_arenas as peers
 from benchmarks.peers.cascade import E_MAX, Filtered, Stage, drive, edges_at, inertial, pulled
-from benchmarks.suites.families import FAMILIES, cubes, feasible
+from benchmarks.suites.families import FAMILIES, cubes, is_feasible
 from stt_codegen.errors import BadInput, MissingTool
 from stt_codegen.reference import transform
 from stt_codegen.sampling.sampling_conditions import sharp
 from tests.support.missing_tools import skip_without
 
 PAPER = FAMILIES["paper"]
-OPEN = [s for s in range(40) if feasible(PAPER, s, 0.15)]
-BLOCKED = [s for s in range(500) if not feasible(PAPER, s, 0.01)]  # the widest route is narrower than half a cell of the grids
+OPEN = [s for s in range(40) if is_feasible(PAPER, s, 0.15)]
+BLOCKED = [s for s in range(500) if not is_feasible(PAPER, s, 0.01)]  # the widest route is narrower than half a cell of the grids
 PLANNERS = {"ompl": (peers.rrt_connect, peers.rrt_star), "pyastar2d": (peers.a_star,)}
 
 
@@ -83,7 +83,7 @@ def test_a_star_has_a_path_exactly_where_one_exists() -> None:
     narrow = (32, 98, 124, 158)  # the route closes at a clearance between 0.06 and 0.15
     for seed in (*OPEN, *narrow, *BLOCKED):
         outcome = peers.plan(peers.a_star, PAPER, seed)
-        assert outcome.success == feasible(PAPER, seed, 0.06), seed
+        assert outcome.success == is_feasible(PAPER, seed, 0.06), seed
     assert outcome.note == "no path found"
 
 

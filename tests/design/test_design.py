@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.suites.families import FAMILIES, arena_task, cubes, feasible
+from benchmarks.suites.families import FAMILIES, arena_task, cubes, is_feasible
 from stt_codegen.certify.exact import certify_refined
 from stt_codegen.design.arena import Arena, arena_of, starting_box
 from stt_codegen.design.half_spaces import Array
@@ -54,9 +54,9 @@ def test_every_example_task_is_certified(name: str) -> None:
 def test_an_arena_with_a_route_is_certified_and_one_without_is_refused(seed: int) -> None:
     """An exact flood fill says which: a route with a clearance of 0.1 is certified; without one at 0.03, the task's clearance, refused."""
     task = arena_task(PAPER, seed)
-    if feasible(PAPER, seed, 0.1):
+    if is_feasible(PAPER, seed, 0.1):
         assert built(task).certificate.holds
-    elif not feasible(PAPER, seed, 0.03):
+    elif not is_feasible(PAPER, seed, 0.03):
         with pytest.raises(NotCertified, match="P4"):
             built(task)
 
@@ -432,7 +432,7 @@ def test_a_path_through_cells_is_free_and_exists_exactly_when_flood_fill_says_so
     lower, upper = boxes[:, :, 0] - clearance, boxes[:, :, 1] + clearance
     space, goal = np.array([[clearance] * 2, [5 - clearance] * 2]), np.array([[4.7] * 2, [4.8] * 2])
     path = find_cell_path(lower, upper, space, goal, np.array([0.25, 0.25]))
-    assert (path is not None) == feasible(family, seed, clearance)
+    assert (path is not None) == is_feasible(family, seed, clearance)
     if path is not None:
         for a, b in itertools.pairwise(path):
             for s in np.linspace(0, 1, 101):

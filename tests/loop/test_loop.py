@@ -17,8 +17,7 @@ from scipy.integrate import solve_ivp
 from typer.testing import CliRunner
 
 from benchmarks.command_line import suites
-from benchmarks.suites.loop import LONGER, Job, jobs, lines, rows
-from benchmarks.suites.loop import run as run_job
+from benchmarks.suites.loop import PERIOD_FACTORS, LoopJob, loop_jobs, run_job, summary_lines, table_rows
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.command import Request, describe_proof, simulate, with_disturbance_bound, with_gain
@@ -397,19 +396,19 @@ def test_a_plant_of_ones_own_is_swapped_in_by_its_signal_names() -> None:
 
 
 def test_a_job_proves_and_keeps_its_tubes() -> None:
-    outcome = run_job(Job(0, longer=True))
+    outcome = run_job(LoopJob(0, with_longer_periods=True))
     assert outcome.period > 0.001
     assert len(outcome.runs["own"]) == 10
     assert all(r.good and r.kept for r in outcome.runs["own"])
-    assert not outcome.left[LONGER.index(1)]
-    assert outcome.left[-1]  # far beyond it some run leaves
+    assert not outcome.left_tube[PERIOD_FACTORS.index(1)]
+    assert outcome.left_tube[-1]  # far beyond it some run leaves
 
 
 def test_a_closed_arena_is_told_with_its_reason_and_counts_nowhere() -> None:
-    outcomes = [run_job(Job(25)), run_job(Job(26))]
+    outcomes = [run_job(LoopJob(25)), run_job(LoopJob(26))]
     assert outcomes[0].reason
-    assert rows(outcomes)[0][1] == "1"
-    assert any("Arena 25" in line for line in lines(outcomes, 1.0, 1))
+    assert table_rows(outcomes)[0][1] == "1"
+    assert any("Arena 25" in line for line in summary_lines(outcomes, 1.0, 1))
 
 
 def test_the_command_records_and_prints_one_document(tmp_path: Path) -> None:
@@ -422,9 +421,9 @@ def test_the_command_records_and_prints_one_document(tmp_path: Path) -> None:
 
 
 def test_jobs_differ_in_what_they_are_asked() -> None:
-    made = jobs(150, 1000.0, 0.3, 10, peers=True)
+    made = loop_jobs(150, 1000.0, 0.3, 10, peers=True)
     assert [j.seed for j in made] == list(range(150))
-    assert sum(j.longer for j in made) == 100
+    assert sum(j.with_longer_periods for j in made) == 100
 
 
 def test_a_scenario_that_is_no_number_is_refused() -> None:
