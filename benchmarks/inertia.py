@@ -163,18 +163,18 @@ def loops(tubes: list[EmittedController], count: int) -> tuple[str, bool]:
 
 def steps(board: str) -> list[str]:
     """Instructions of `control` on an emulated board, with the library and inline."""
-    from benchmarks.suites.mcu import measured
+    from benchmarks.suites.mcu import measure_on_board
     from stt_codegen.board.boards import BOARDS
 
     rows = []
     for math in ("libm", "inline"):
         task = inertial("omni_s2").changed(emit={"math": math})
         try:
-            line, _ = measured(build_task(task), BOARDS[board], math, 400)
+            line, _ = measure_on_board(build_task(task), BOARDS[board], math, 400)
         except MissingTool as error:
             return [f"not counted: {error}"]
-        taken = f"{line.least:.0f} to {line.most:.0f}"
-        rows.append(f"| {board}, {math} | {taken} | {line.stack} | {line.code} | {line.tables} | {line.within} |")
+        taken = f"{line.minimum:.0f} to {line.maximum:.0f}"
+        rows.append(f"| {board}, {math} | {taken} | {line.stack} | {line.code} | {line.tables} | {line.within_bounds} |")
     return rows
 
 

@@ -1,4 +1,4 @@
-"""Benchmark results as Markdown, and where they are recorded: one section a benchmark, with the command that made it."""
+"""Markdown of benchmark results, and the file that records them: each benchmark has a section, with its command."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stt_codegen.errors import BadInput
 
 
 def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table, columns aligned so that it reads well as text too. A bar in a cell is no end of it."""
+    """Return a Markdown table whose columns are aligned, so that it reads well as text. Bars in a cell are escaped."""
     lines = [[re.sub(r"(?<!\\)\|", r"\\|", cell) for cell in row] for row in (headings, *rows)]
     widths = [max(len(line[c]) for line in lines) for c in range(len(headings))]
 
@@ -27,18 +27,18 @@ def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """So many significant digits, a dash where there is no number."""
+    """Return the value with `digits` significant digits; a dash for NaN and infinity."""
     if not math.isfinite(value):
         return "-"
     return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
 
 
 def machine() -> str:
-    """What the times were measured on."""
+    """Return processor, number of cores and version of Python: what times were measured on."""
     model = platform.machine()
     try:
-        found = re.search(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(), re.M)
-        model = found.group(1) if found else model
+        match = re.search(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(), re.M)
+        model = match.group(1) if match else model
     except OSError:
         pass
     return f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}"
@@ -48,22 +48,22 @@ PEERS = ("brax", "clarabel", "drake", "fastpathplanning", "highspy", "hj-reachab
 
 
 def versions() -> str:
-    """What is said of every peer that is installed: "; name version"."""
-    found = []
+    """Return "; name version" for every peer that is installed."""
+    texts = []
     for name in PEERS:
         with contextlib.suppress(metadata.PackageNotFoundError):
-            found.append(f"; {name} {metadata.version(name)}")
-    return "".join(found)
+            texts.append(f"; {name} {metadata.version(name)}")
+    return "".join(texts)
 
 
 def command() -> str:
-    """The command line that runs, without folders."""
+    """Return the command line of this process, without folders."""
     name = Path(sys.argv[0]).stem
     return " ".join(["python -m benchmarks", *([] if name == "__main__" else [name]), *sys.argv[1:]])
 
 
 def record(path: Path, section: str, text: str) -> None:
-    """Put `text` into the file's section of that name, replacing what it held; the other sections stay."""
+    """Replace the file's section of that name by `text`; the other sections stay. Raises BadInput for an unusable file."""
     begin, end = f"<!-- {section} -->", f"<!-- end of {section} -->"
     block = f"{begin}\n{text.strip()}\n{end}\n"
     try:
@@ -74,8 +74,8 @@ def record(path: Path, section: str, text: str) -> None:
             new = old[: old.index(begin)] + block + after.lstrip("\n")
         else:
             new = old.rstrip("\n") + "\n\n" + block
-        half = path.with_name(path.name + ".new")
-        half.write_text(new, encoding="utf-8", newline="\n")
-        half.replace(path)
+        partial = path.with_name(path.name + ".new")
+        partial.write_text(new, encoding="utf-8", newline="\n")
+        partial.replace(path)
     except (OSError, UnicodeDecodeError) as error:
         raise BadInput(f"{path}: cannot be read or written ({error})") from None

@@ -1,7 +1,7 @@
-"""What the emitted `control` is counted beside: CasADi's own C of the same law, C written by hand, and the floor.
+"""C texts that are measured beside the emitted `control`: CasADi's C of the same law, C written by hand, and a lower limit.
 
-Each is the text of a C file that defines <p>_control for the emitted header, so the same image runs it. None of CasADi's tests
-for NaN, tells whether x is inside, or takes t before 0 for 0 unless written into the expression: it does less.
+benchmarks/suites/mcu.py runs them. Each text defines <prefix>_control for the emitted header, so that the same image runs it.
+CasADi's C does less: it does not test for NaN, and returns no status.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _LITERAL = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+|\.\d+(?:e
 
 
 def casadi_text(controller: EmittedController, single: bool) -> str:
-    """CasADi's own C (casadi_real=float) of (t, [alpha,] x) -> u; `single`: every call and literal made single precision."""
+    """Return CasADi's C (casadi_real=float) of (t, [alpha,] x) -> u. single: whether calls and literals are single precision."""
     design = controller.design
     function = _adaptive(controller) if design.is_stateful else _refined(controller)
     generator = ca.CodeGenerator("law", {"casadi_real": "float", "casadi_int": "int"})
@@ -32,18 +32,18 @@ def casadi_text(controller: EmittedController, single: bool) -> str:
         body = _LITERAL.sub(r"\1f", _CALLS.sub(r"\1f(", body))
     p, stateful = controller.task.name, design.is_stateful
     ok = f"{p.upper()}_OK"
-    takes = f"{p}_real t, " + (f"const {p}_real *alpha, " if stateful else "") + f"const {p}_real *x, {p}_real *u"
-    given = "&t, alpha, x" if stateful else "&t, x"
+    parameters = f"{p}_real t, " + (f"const {p}_real *alpha, " if stateful else "") + f"const {p}_real *x, {p}_real *u"
+    arguments = "&t, alpha, x" if stateful else "&t, x"
     sizes = (function.sz_arg(), function.sz_res(), function.sz_iw(), function.sz_w())
     return (
-        f'#include "{p}.h"\n{body}\n{p}_status {p}_control({takes})\n{{\n'
-        f"    const float *arg[{sizes[0] + 1}] = {{{given}}};\n    float *res[{sizes[1] + 1}] = {{u}};\n"
+        f'#include "{p}.h"\n{body}\n{p}_status {p}_control({parameters})\n{{\n'
+        f"    const float *arg[{sizes[0] + 1}] = {{{arguments}}};\n    float *res[{sizes[1] + 1}] = {{u}};\n"
         f"    int iw[{sizes[2] + 1}];\n    float w[{sizes[3] + 1}];\n    law(arg, res, iw, w, 0);\n    return {ok};\n}}\n"
     )
 
 
 def _law(controller: EmittedController, i: int, low: Any, high: Any, x: Any) -> Any:
-    """(13) with the clamp, of component i."""
+    """Return the law of component i: equation (13) with the clamp."""
     task = controller.task
     width = high - low
     near = width * float((1 - task.e_max[i]) / 2)
@@ -54,6 +54,7 @@ def _law(controller: EmittedController, i: int, low: Any, high: Any, x: Any) -> 
 
 
 def _refined(controller: EmittedController) -> ca.Function:
+    """Return the law with a refined tube as a function of CasADi, (t, x) -> u."""
     design = require_refined(controller.design)
     n, k = design.dimension, design.segments
     t, x = ca.MX.sym("t"), ca.MX.sym("x", n)
@@ -72,11 +73,12 @@ def _refined(controller: EmittedController) -> ca.Function:
 
 
 def _adaptive(controller: EmittedController) -> ca.Function:
+    """Return the law with an adaptive tube as a function of CasADi, (t, alpha, x) -> u."""
     design = require_adaptive(controller.design)
     n, t_c, nu = design.dimension, float(design.prescribed_time), float(design.nu)
     t, alpha, x = ca.SX.sym("t"), ca.SX.sym("alpha", 2 * n), ca.SX.sym("x", n)
-    held = ca.fmin(ca.fmax(t, 0), t_c)
-    sigma = reach_tube.profile()(held, t_c)
+    clamped_time = ca.fmin(ca.fmax(t, 0), t_c)
+    sigma = reach_tube.profile()(clamped_time, t_c)
     result = []
     for i in range(n):
         rho = [reach_tube.reach_edge()(float(design.start[i][s]), float(design.target[i][s]), sigma) for s in (0, 1)]
@@ -85,7 +87,7 @@ def _adaptive(controller: EmittedController) -> ca.Function:
             total = ca.SX(0)
             for b in design.bumps_on(i, side):
                 shape = [float(v) for v in (b.height, b.steepness, b.middle, b.radius, circumvent.CUT["float"])]
-                total = circumvent.join()(total, circumvent.circumvent()(held, *shape), nu)
+                total = circumvent.join()(total, circumvent.circumvent()(clamped_time, *shape), nu)
             beta.append(float(design.walls[i][side]) + (total if side == LOWER else -total))
         low = adaptive_tube.lower_edge()(rho[0], alpha[i], beta[0], nu)
         high = adaptive_tube.upper_edge()(rho[1], alpha[n + i], beta[1], nu)
@@ -94,7 +96,7 @@ def _adaptive(controller: EmittedController) -> ca.Function:
 
 
 def hand_text(controller: EmittedController) -> str:
-    """C of a refined `control` as one writes it by hand, with every test that the emitted one makes; one gain for all."""
+    """Return a refined `control` as one writes it by hand, with every test of the emitted one; all components have one gain."""
     design, program = require_refined(controller.design), controller.program
     task, printer = controller.task, CPrinter(program)
     return template("bench/hand.c.j2").render(
@@ -110,7 +112,7 @@ def hand_text(controller: EmittedController) -> str:
 
 
 def floor_text(controller: EmittedController) -> str:
-    """One division and one logarithm a component, and nothing else."""
+    """Return a `control` with one division and one logarithm per component, and nothing else: a lower limit of the cost."""
     p = controller.task.name
     size = f"{p.upper()}_N"
     return (

@@ -359,7 +359,7 @@ def test_table_i_has_the_papers_figures_and_counts_our_runs(tmp_path: Path) -> N
 
 def test_a_grids_row_is_as_long_as_its_headings(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(printed, "GRIDS", {"coarse": Abstraction(50, Fraction(1, 4), GRIDS["50 x 50"].speeds)})
-    (row,) = printed.symbolic_rows(robot=False)
+    (row,) = printed.symbolic_rows(with_robot=False)
     assert len(row) == len(printed.SYMBOLIC)
     assert dict(zip(printed.SYMBOLIC, row, strict=True)) | {"memory, MB": "", "hit between": ""} == {
         "grid": "coarse", "inputs": "49", "period, ms": "250", "table, B": "2,500", "memory, MB": "", "states that win": "81 %",

@@ -42,7 +42,7 @@ def times_and_states(controller: Any, count: int = 300) -> tuple[np.ndarray, ...
 
 @pytest.mark.parametrize(("design", "single"), [("refined", False), ("refined", True), ("adaptive", False), ("adaptive", True)])
 def test_the_c_that_casadi_prints_computes_the_same_law(design: str, single: bool, board: Any) -> None:
-    controller = mcu.variant(design, "float", "libm")
+    controller = mcu.arena_controller(design, "float", "libm")
     u = CompiledC(controller).control(*times_and_states(controller))[1]
     text = rivals.casadi_text(controller, single)
     casadi_controller = replace(controller, files={**controller.files, f"{controller.task.name}.c": text.encode()})
@@ -51,7 +51,7 @@ def test_the_c_that_casadi_prints_computes_the_same_law(design: str, single: boo
 
 
 def test_the_hand_written_c_computes_the_same_law_and_status(board: Any) -> None:
-    controller = mcu.variant("refined", "float", "libm")
+    controller = mcu.arena_controller("refined", "float", "libm")
     t, x = times_and_states(controller)
     x[::5] += 3.0
     x[1, 0] = np.nan
@@ -64,7 +64,7 @@ def test_the_hand_written_c_computes_the_same_law_and_status(board: Any) -> None
 
 
 def test_text_in_single_precision_has_no_call_or_literal_in_double() -> None:
-    text = rivals.casadi_text(mcu.variant("refined", "float", "libm"), True)
+    text = rivals.casadi_text(mcu.arena_controller("refined", "float", "libm"), True)
     body = text[text.index("static int casadi_f0") :]
     assert not rivals._LITERAL.search(body)
     assert "log(" not in body.replace("logf(", "")
@@ -92,10 +92,10 @@ def test_a_small_run_has_complete_tables(board: Any, monkeypatch: Any) -> None:
     assert len(document["beside"]) - len(rust) == 9
     if not rust:
         skip_without("Rust's core library for the board is not here; `.ci/tools integration` installs it")
-    assert [v["within"] for v in rust] == [True, True]
-    maximum_1, maximum_3 = (v["most"] for v in document["by_dimension"])
+    assert [v["within_bounds"] for v in rust] == [True, True]
+    maximum_1, maximum_3 = (v["maximum"] for v in document["by_dimension"])
     assert 2 < maximum_3 / maximum_1 < 3  # linear in the dimension, plus a constant part
-    maximum_empty, maximum_4 = (v["most"] for v in document["by_obstacles"])
+    maximum_empty, maximum_4 = (v["maximum"] for v in document["by_obstacles"])
     assert abs(maximum_empty - maximum_4) <= 15  # the code is the same; the logarithm sometimes takes another branch
     assert all(v["stack"] <= 128 for v in document["boards"])
 
@@ -108,7 +108,7 @@ def test_a_controller_beyond_its_bounds_is_an_exit_code(board: Any, monkeypatch:
         controller.files["arena.c"] = text
         return controller
 
-    original = mcu.variant
+    original = mcu.arena_controller
     monkeypatch.setattr(mcu, "variant", wrong_variant)
     monkeypatch.setattr(mcu, "beside", lambda *_: [])
     monkeypatch.setattr(mcu, "growth", lambda *_: ([], []))
