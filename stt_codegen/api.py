@@ -540,16 +540,15 @@ class Controller(pipeline.EmittedController):
         >>> len(build("tasks/omni_s2.toml").plot().axes)
         3
         """
-        from stt_codegen.report.pictures import draw_arena, draw_dimension, figure_of
+        from stt_codegen.report.pictures import draw_arena, draw_dimension, figure_of, sample_tube
 
         if ax is None:
             return figure_of(self)
-        t = np.linspace(0.0, float(self.task.prescribed_time), 1801)
-        low, high = self.design.edges_at(t)
+        tube = sample_tube(self)
         if self.task.dimension > 1:
-            draw_arena(ax, self, low, high)
+            draw_arena(ax, self, tube)
         else:
-            draw_dimension(ax, self, 0, t, low, high)
+            draw_dimension(ax, self, 0, tube)
         return ax
 
     def simulate(self, plant: Any = "integrator", **scenario: Any) -> Any:

@@ -56,7 +56,6 @@ PENDING = """
     stt_codegen/emit
     stt_codegen/loop
     stt_codegen/program
-    stt_codegen/report
     tests/cli
     tests/compare
     tests/emit

@@ -16,15 +16,17 @@ from stt_codegen.pipeline import EmittedController
 from stt_codegen.report import Plane, outline
 from stt_codegen.report.pictures import (
     COLOURS,
+    SampledTube,
     draw_arena,
     draw_dimension,
     draw_sets,
+    figure_with_times,
     label,
     panels,
     patch,
     planes_of,
+    sample_tube,
     save,
-    sheet,
 )
 
 Array = npt.NDArray[Any]
@@ -38,17 +40,16 @@ def draw_run(controller: EmittedController, run: Run, path: Path, planes: Sequen
     assert run.trace is not None
     task, n = controller.task, controller.task.dimension
     t, x, u = run.trace[:, 0], run.trace[:, 1 : n + 1], run.trace[:, n + 1 : 2 * n + 1]
-    grid = np.linspace(0.0, float(task.prescribed_time), 1801)
-    low, high = controller.design.edges_at(grid)
+    tube = sample_tube(controller)
     shown = planes_of(task, planes)
-    states = np.stack([np.interp(grid, t, x[:, i]) for i in range(n)], axis=1)
-    figure, above = sheet(controller, max(5.2, 1.8 * (n + 1)), grid, low, high, shown, states)
+    states = np.stack([np.interp(tube.t, t, x[:, i]) for i in range(n)], axis=1)
+    figure, above = figure_with_times(controller, max(5.2, 1.8 * (n + 1)), tube, shown, states)
     arenas, over = panels(above, shown, [*task.axis_names, "u"])
     for axis, plane in zip(arenas, shown, strict=True):
-        draw_arena(axis, controller, low, high, plane)
+        draw_arena(axis, controller, tube, plane)
         axis.plot(x[:, plane[0]], x[:, plane[1]], color=PATH_COLOUR, linewidth=1.6)
     for i in range(n):
-        draw_dimension(over[i], controller, i, grid, low, high)
+        draw_dimension(over[i], controller, i, tube)
         over[i].plot(t, x[:, i], color=PATH_COLOUR, linewidth=1.2)
     for i in range(n):
         over[-1].plot(t, u[:, i], linewidth=0.8, label=f"$u_{{{i + 1}}}$")
@@ -131,7 +132,7 @@ def draw_figure1(controller: EmittedController, run: Run, path: Path) -> None:
     task, design = controller.task, require_adaptive(controller.design)
     t = np.linspace(0.0, float(task.prescribed_time), 1601)
     lines = reference.lines(parameters_of(design), t)
-    low, high = controller.design.edges_at(t)
+    tube = SampledTube(t, *controller.design.edges_at(t))
     bump_axes = [b.dimension for b in design.bumps]
     i = max(set(bump_axes), key=bump_axes.count) if bump_axes else 0
     figure = Figure(figsize=(17, 3.9), layout="constrained")
@@ -147,7 +148,7 @@ def draw_figure1(controller: EmittedController, run: Run, path: Path) -> None:
     for axis in axes[1:3]:
         axis.fill_between(t, rho[:, 0], rho[:, 1], color=COLOURS["tube"], alpha=0.3, linewidth=0)
     axes[2].plot(t, beta[:, 0], t, beta[:, 1], color=PATH_COLOUR, linewidth=1.2)
-    draw_dimension(axes[3], controller, i, t, low, high)
+    draw_dimension(axes[3], controller, i, tube)
     axes[3].plot(run.trace[:, 0], run.trace[:, 1 + i], color="black", linestyle=":")
     solid: Any = figure.add_subplot(1, 5, 5, projection="3d")
     _tube3(solid, controller, TUBE_COLOURS[0])

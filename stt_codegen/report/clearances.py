@@ -56,7 +56,7 @@ def true_stretches(flags: Flags) -> Iterator[tuple[int, int]]:
 class ObstacleBand:
     """An unsafe set in one dimension over time: its edges (T,).
 
-    is_active: whether it may be unsafe at a sample. is_separated_here: whether, then, only this dimension separates the tube
+    is_active: whether it may be unsafe at a sample. separates_alone: whether, then, only this dimension separates the tube
     from it.
     """
 
@@ -64,7 +64,7 @@ class ObstacleBand:
     lower: Array
     upper: Array
     is_active: Flags
-    is_separated_here: Flags
+    separates_alone: Flags
 
 
 def obstacle_bands(task: Task, i: int, t: Array, low: Array, high: Array) -> Iterator[ObstacleBand]:

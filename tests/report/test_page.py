@@ -18,12 +18,12 @@ from stt_codegen.cli.design_commands.report import report
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build
 from stt_codegen.report.figures.design_figures import design_report
-from stt_codegen.report.page.bill_of_materials import bill
+from stt_codegen.report.page.bill_of_materials import bill_of_materials
 from stt_codegen.report.page.evidence import evidence
 from stt_codegen.report.page.misra import DEVIATIONS
 from stt_codegen.report.page.page import page
 from stt_codegen.report.page.scene import SAMPLES
-from stt_codegen.report.page.solids import solid
+from stt_codegen.report.page.solids import convex_solid
 from tests.support.controllers import ROOT
 from tests.support.pages import KINDS, controller_of_kind, data_block, report_html
 
@@ -96,7 +96,7 @@ def test_the_page_is_the_same_for_the_same_task() -> None:
 def test_faces_of_a_solid_hold_its_corners() -> None:
     """Of a cut box: every face is flat, no corner is beyond one, and the faces close the body (Euler)."""
     points = np.array([p for p in np.ndindex(3, 3, 3) if sum(p) <= 4], dtype=float)
-    corners, faces = solid(points)
+    corners, faces = convex_solid(points)
     edges = {frozenset(pair) for face in faces for pair in zip(face, [*face[1:], face[0]], strict=True)}
     assert len(corners) - len(edges) + len(faces) == 2
     for face in faces:
@@ -121,7 +121,7 @@ def test_the_bill_of_materials_is_cyclonedx() -> None:
         controller = controller_of_kind(kind)
         found = data_block(report_html(kind), "bill")
         jsonschema.Draft7Validator(schema, registry=Registry().with_resources(others)).validate(found)
-        assert found == bill(controller)
+        assert found == bill_of_materials(controller)
         hashes = {one["name"]: one["hashes"][0]["content"] for one in found["components"] if one["type"] == "file"}
         assert hashes == {name: hashlib.sha256(data).hexdigest() for name, data in controller.files.items()}
 
@@ -145,14 +145,14 @@ def test_what_was_run_is_told_as_it_came_out(tool: Any, monkeypatch: pytest.Monk
     assert text.count(bend[0]) == 1
     bent = replace(controller, files={**controller.files, "omni_s2.c": text.replace(*bend)})
     found = evidence(bent, ROOT / "tasks" / "omni_s2.toml")
-    said = {one.name: one.good for one in found.checks}
+    said = {one.name: one.has_passed for one in found.checks}
     assert said["stand-alone checker"] is False
     assert said["compiled C beside an independent reference"] is False
-    assert not found.good
+    assert not found.has_no_failure
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
     without = evidence(controller, None)
-    assert {one.good for one in without.checks} == {None}
+    assert {one.has_passed for one in without.checks} == {None}
     assert without.misra is None
 
 

@@ -22,7 +22,7 @@ from stt_codegen.loop.simulate import Loop, Scenario
 from stt_codegen.pipeline import build
 from stt_codegen.plants import plant_of
 from stt_codegen.report.figures.design_figures import design_report
-from stt_codegen.report.page.drive import driven, plant_driven, shipped
+from stt_codegen.report.page.drive import compile_drive_module, default_plant, files_for_browser
 from stt_codegen.report.page.evidence import evidence
 from stt_codegen.report.page.page import page
 from stt_codegen.report.page.scene import SAMPLES
@@ -38,7 +38,7 @@ pytestmark = pytest.mark.xdist_group("page")  # one browser, and every page made
 
 def native(controller: pipeline.EmittedController, folder: Path) -> Any:
     """`loop_own_step` of the same C, compiled for this machine."""
-    files, _ = shipped(controller)
+    files, _ = files_for_browser(controller)
     for name, data in files.items():
         (folder / name).write_bytes(data)
     (folder / "adapter.c").write_text(adapter_source(controller.task, controller.design, controller.certificate))
@@ -109,7 +109,7 @@ def test_a_controller_that_calls_the_library_has_it_from_the_browser() -> None:
     """What the module of an adaptive tube asks for is in the browser's Math; a refined one asks for nothing."""
     for kind, wanted in (("plain", set()), ("adaptive", {"expf", "powf", "log1pf", "logf"})):
         controller = controller_of_kind(kind)
-        module = driven(controller, plant_driven(controller.task)).wasm
+        module = compile_drive_module(controller, default_plant(controller.task)).wasm
         assert {name for name in ("expf", "powf", "log1pf", "logf", "memcpy") if name.encode() in module} == wanted
 
 
@@ -200,7 +200,7 @@ def test_the_pages_loop_is_that_of_simulate(kind: str, latency: float, browser: 
     """Without wind and noise both are the same equations under the same C; the float of x may fall the other way here and there,
     which moves u by a few of its own last places, so states agree to a few units of the float's."""
     controller = controller_of_kind(kind)
-    files, _ = shipped(controller)
+    files, _ = files_for_browser(controller)
     plant = plant_of("integrator", controller.task.dimension, controller.task.order)
     rate = 400.0
     run = Loop(replace(controller, files=dict(files)), plant).run(Scenario(rate=rate, latency=latency), trace=True)

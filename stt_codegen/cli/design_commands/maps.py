@@ -37,13 +37,13 @@ def map_(
 
         report = map_report(read_map(file, free), kind)
         path = picture_path(picture or Path(), f"{file.stem}_map")
-        if path.resolve() == report.found.image.resolve():
+        if path.resolve() == report.occupancy_map.image.resolve():
             raise BadInput(f"{path}: is the map's own image; give another --picture")
         draw_map(report, path)
     if json:
         print_json({**report.document(), "picture": str(path)})
         return
-    counts, grid = report.counts, report.found
+    counts, grid = report.counts, report.occupancy_map
     width, height = grid.occupied.shape
     print(f"{file}: {width} x {height} cells of {float(grid.resolution):g}")
     print(f"  from {', '.join(f'{float(v):g}' for v in grid.origin)} to {', '.join(f'{float(v):g}' for v in grid.upper)}")
@@ -51,8 +51,10 @@ def map_(
     if note := grid.grey_note():
         print(f"  note: {note}")
     unsafe = counts["occupied"] + counts["unknown"]
-    more = f", {report.gained / unsafe:.1%} of the unsafe ones" if unsafe else ""
-    print(f"  as {kind}: {counted(len(report.pieces), 'set')}, which cover the middle of {report.gained} free cells{more}")
+    more = f", {report.covered_free_cells / unsafe:.1%} of the unsafe ones" if unsafe else ""
+    print(
+        f"  as {kind}: {counted(len(report.pieces), 'set')}, which cover the middle of {report.covered_free_cells} free cells{more}"
+    )
     print(f"  picture: {path}")
 
 

@@ -53,8 +53,8 @@ def report(
     with patience(f"compiling and comparing {controller.task.name}"):
         from stt_codegen.report.page import evidence, page
 
-        evidence_shown = evidence(controller, task, _run_on_boards(controller, board or ()))
-        text = page(controller, figures, evidence_shown, model)
+        page_evidence = evidence(controller, task, _run_on_boards(controller, board or ()))
+        text = page(controller, figures, page_evidence, model)
     path = out or Path(f"{controller.task.name}.report.html")
     _write_page(path, text)
     if json:
@@ -64,14 +64,14 @@ def report(
                 "page": str(path),
                 "bytes": len(text),
                 "seconds": round(time.perf_counter() - begin, 3),
-                "evidence_holds": evidence_shown.good,
+                "evidence_holds": page_evidence.has_no_failure,
             }
         )
     else:
         print(f"{controller.task.name}: {path}, {len(text)} bytes; open it in a browser")
-    if not evidence_shown.good:
-        failed = [check.name for check in evidence_shown.checks if check.good is False]
-        failed += [f"MISRA rule {rule}" for rule in evidence_shown.unlisted]
+    if not page_evidence.has_no_failure:
+        failed = [check.name for check in page_evidence.checks if check.has_passed is False]
+        failed += [f"MISRA rule {rule}" for rule in page_evidence.unlisted]
         say(f"note: {controller.task.name}: failed: {', '.join(failed)}; the page's evidence has more")
         raise typer.Exit(1)
 

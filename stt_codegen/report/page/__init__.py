@@ -1,4 +1,4 @@
-"""The report page: one HTML file with scene, drive, evidence and bill of materials."""
+"""Write the report page: one HTML file with views of the tube, the C to drive, evidence and a bill of materials."""
 
 from stt_codegen.report.page.evidence import Check, evidence
 from stt_codegen.report.page.page import page

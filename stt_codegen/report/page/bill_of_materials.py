@@ -1,6 +1,7 @@
-"""The software bill of materials of one controller, in CycloneDX 1.6: its files, what they call, and what made them.
+"""Write the software bill of materials of one controller in CycloneDX 1.6: its files, what they call, and the tools' versions.
 
-Without a serial number or a date: the same task and versions give the same bill."""
+It has no serial number and no date, so the same task and versions give the same bill.
+"""
 
 from __future__ import annotations
 
@@ -13,24 +14,32 @@ from typing import Any
 from stt_codegen import __version__
 from stt_codegen.pipeline import EmittedController
 
-PACKAGES = ("casadi", "highspy", "jinja2", "numpy", "pydantic", "python-flint", "scipy")  # that an emitted byte may depend on
-CALLS = re.compile(r"\b(logf?|expf?|log1pf?|powf?|sqrtf?|memcpy)\(")
+PYTHON_PACKAGES = (
+    "casadi",
+    "highspy",
+    "jinja2",
+    "numpy",
+    "pydantic",
+    "python-flint",
+    "scipy",
+)  # on which emitted bytes may depend
+LIBRARY_CALL = re.compile(r"\b(logf?|expf?|log1pf?|powf?|sqrtf?|memcpy)\(")
 
 
-def bill(controller: EmittedController) -> dict[str, Any]:
-    """CycloneDX as JSON data."""
-    name, version = controller.task.name, controller.files
-    calls = library_calls(version)
-    files = [
+def bill_of_materials(controller: EmittedController) -> dict[str, Any]:
+    """Return the bill as JSON data."""
+    name, files = controller.task.name, controller.files
+    calls = library_calls(files)
+    file_entries = [
         {
             "type": "file",
             "bom-ref": f"file:{file}",
             "name": file,
             "hashes": [{"alg": "SHA-256", "content": hashlib.sha256(data).hexdigest()}],
         }
-        for file, data in controller.files.items()
+        for file, data in files.items()
     ]
-    library = [
+    library_entries = [
         {
             "type": "library",
             "bom-ref": "libc",
@@ -39,40 +48,40 @@ def bill(controller: EmittedController) -> dict[str, Any]:
         }
     ]
     tool = {"type": "application", "bom-ref": "stt_codegen", "name": "stt_codegen", "version": __version__}
-    made_by = [
+    packages = [
         {
             "type": "library",
             "name": package,
             "version": importlib.metadata.version(package),
             "purl": f"pkg:pypi/{package}@{importlib.metadata.version(package)}",
         }
-        for package in PACKAGES
+        for package in PYTHON_PACKAGES
     ]
-    used = ["libc"] if calls else []
+    used_libraries = ["libc"] if calls else []
     return {
         "bomFormat": "CycloneDX",
         "specVersion": "1.6",
         "version": 1,
         "metadata": {
             "component": {"type": "firmware", "bom-ref": name, "name": name, "version": _design_hash(controller)},
-            "tools": {"components": [tool, *made_by]},
+            "tools": {"components": [tool, *packages]},
         },
-        "components": [*files, *(library if calls else [])],
+        "components": [*file_entries, *(library_entries if calls else [])],
         "dependencies": [
-            {"ref": name, "dependsOn": [one["bom-ref"] for one in files] + used},
-            *({"ref": f"file:{file}", "dependsOn": used} for file in version if library_calls({file: version[file]})),
+            {"ref": name, "dependsOn": [entry["bom-ref"] for entry in file_entries] + used_libraries},
+            *({"ref": f"file:{file}", "dependsOn": used_libraries} for file in files if library_calls({file: files[file]})),
         ],
     }
 
 
 def library_calls(files: Mapping[str, bytes]) -> list[str]:
-    """The functions of the C library that the C of these files calls."""
-    return sorted({call for name, data in files.items() if name.endswith(".c") for call in CALLS.findall(data.decode())})
+    """Return the functions of the C library that the C of these files calls."""
+    return sorted({call for name, data in files.items() if name.endswith(".c") for call in LIBRARY_CALL.findall(data.decode())})
 
 
 def _design_hash(controller: EmittedController) -> str:
-    """The hash that the firmware logs, from the header."""
+    """Return the design hash from the header, which the firmware can log."""
     header = controller.files[f"{controller.task.name}.h"].decode()
-    found = re.search(r'_DESIGN_HASH "([0-9a-f]{16})"', header)
-    assert found is not None
-    return found[1]
+    match = re.search(r'_DESIGN_HASH "([0-9a-f]{16})"', header)
+    assert match is not None
+    return match[1]

@@ -1,8 +1,8 @@
-"""What the page's "Drive it" runs: the emitted C, the interface that `simulate` calls it through, and a plant, as WebAssembly.
+"""Compile the emitted C, its interface for `simulate` and a plant to WebAssembly, which the page's section "Drive it" runs.
 
-A refined tube's logarithm is written out (emit.math = "inline"), so nothing is called from outside and the browser computes, bit
-for bit, what the same C computes natively. Other tubes call exp, log and log1p: the page has those of the browser, in double and
-then rounded, which is within the 2 units in the last place that the emitted C assumes.
+A refined tube has an inline logarithm here (emit.math = "inline"), so that the browser computes bit for bit what the same C
+computes natively. Other tubes call exp, log and log1p of the browser, rounded from double, which is within the 2 units in the
+last place that the emitted C assumes. report/page/page.py calls this.
 """
 
 from __future__ import annotations
@@ -37,11 +37,12 @@ EXPORTS = {
     "loop_own_lag", "loop_plant",
 }  # fmt: skip
 CLANG, LINKER = "clang", "wasm-ld"
-PACKAGES = "clang lld"  # Debian's
+DEBIAN_PACKAGES = "clang lld"
 
 
-def plant_driven(task: Task) -> Plant:
-    """What is driven where no plant is named: no f, and g in the middle of what [plant] allows, or 1; -g for a negative gain."""
+def default_plant(task: Task) -> Plant:
+    """Return the plant that is driven unless one is chosen: f = 0, and g in the middle of [plant], or 1; -g for a negative
+    gain."""
     sign = 1 if task.gain[0] > 0 else -1
     middle = [float(sign * (b.g_min + b.g_max) / 2) for b in task.plant_bounds]
     n = task.dimension
@@ -50,8 +51,8 @@ def plant_driven(task: Task) -> Plant:
         return [[middle[i] if i == j else 0.0 for j in range(n)] for i in range(n)]
 
     rate = "xdot" if task.order == 1 else "vdot"
-    one = all(v == 1 for v in middle)
-    name = f"{rate} = {'' if one else by_component([Fraction(v) for v in middle]) + ' '}u + w"
+    is_identity = all(v == 1 for v in middle)
+    name = f"{rate} = {'' if is_identity else by_component([Fraction(v) for v in middle]) + ' '}u + w"
     return Plant(
         name=name,
         dimension=n,
@@ -63,12 +64,14 @@ def plant_driven(task: Task) -> Plant:
 
 
 @dataclass(frozen=True)
-class Driven:
-    """The module, and what it was made of. inline: whether the logarithm was written out for it alone,
-    where the shipped C calls the C library's; reason: why there is none, in a sentence."""
+class DriveModule:
+    """A WebAssembly module, or the reason why there is none, as a sentence.
+
+    has_inline_logarithm: whether the module's C has an inline logarithm and the shipped C has not.
+    """
 
     wasm: bytes = b""
-    inline: bool = False
+    has_inline_logarithm: bool = False
     compiler: str = ""
     reason: str = ""
 
@@ -77,44 +80,46 @@ class Driven:
         return hashlib.sha256(self.wasm).hexdigest()
 
 
-def driven(controller: EmittedController, plant: Model) -> Driven:
-    """Compile; with a reason instead of a module where clang or its linker is missing or refuses."""
+def compile_drive_module(controller: EmittedController, plant: Model) -> DriveModule:
+    """Compile controller and plant; return a reason where clang or its linker is missing or fails."""
     missing = [name for name in (CLANG, LINKER) if shutil.which(name) is None]
     if missing:
-        return Driven(reason=f"{' and '.join(missing)} not found; install (Debian names): {PACKAGES}, and make the report again")
+        remedy = f"install (Debian names): {DEBIAN_PACKAGES}, and make the report again"
+        return DriveModule(reason=f"{' and '.join(missing)} not found; {remedy}")
     task = controller.task
-    files, inline = shipped(controller)
+    files, has_inline_logarithm = files_for_browser(controller)
     sources = {name: files[name] for name in (f"{task.name}.h", *driven_sources(task))}
-    where = template_folder()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    templates = template_folder()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
         for file, data in sources.items():
             (folder / file).write_bytes(data)
         (folder / "adapter.c").write_text(adapter_source(task, controller.design, controller.certificate))
         (folder / "plant.c").write_text(plant_source(plant, task.dimension, task.order))
-        shutil.copy(where / "report" / "wasm" / "room.c", folder)
+        shutil.copy(templates / "report" / "wasm" / "room.c", folder)
         paths = [p for p in sorted(folder.iterdir()) if p.suffix == ".c"]
-        include = [f"-I{where / 'report' / 'wasm'}", f"-I{where / 'loop'}", f"-I{folder}"]
+        include = [f"-I{templates / 'report' / 'wasm'}", f"-I{templates / 'loop'}", f"-I{folder}"]
         try:
             for path in paths:
                 _run([CLANG, *CFLAGS, *include, str(path), "-o", str(path.with_suffix(".o"))])
-            exports = [f"--export-if-defined={one}" for one in sorted(EXPORTS)]
-            _run([LINKER, *LDFLAGS, *exports, *(str(p.with_suffix(".o")) for p in paths), "-o", str(folder / "own.wasm")])
+            exports = [f"--export-if-defined={name}" for name in sorted(EXPORTS)]
+            _run([LINKER, *LDFLAGS, *exports, *(str(p.with_suffix(".o")) for p in paths), "-o", str(folder / "module.wasm")])
         except RuntimeError as error:
-            return Driven(reason=str(error).replace(f"{folder}/", ""))
-        wasm = (folder / "own.wasm").read_bytes()
-    return Driven(wasm, inline, _version())
+            return DriveModule(reason=str(error).replace(f"{folder}/", ""))
+        wasm = (folder / "module.wasm").read_bytes()
+    return DriveModule(wasm, has_inline_logarithm, _compiler_version())
 
 
-def shipped(controller: EmittedController) -> tuple[Mapping[str, bytes], bool]:
-    """The emitted files, of a refined tube with the logarithm written out, and whether that makes them others than the task's."""
+def files_for_browser(controller: EmittedController) -> tuple[Mapping[str, bytes], bool]:
+    """Return the emitted files, with an inline logarithm where the design can have one, and whether they differ from the
+    task's."""
     task = controller.task
     inlines = controller.design.capabilities.inlines_logarithm
     if not inlines or task.emit.math == "inline" or task.emit.scalar == "fixed":
         return controller.files, False
-    inline = task.model_copy(update={"emit": task.emit.model_copy(update={"math": "inline"})})
-    program = program_of(inline, controller.design)
-    return render_files(inline, controller.design, program, controller.certificate), True
+    inline_task = task.model_copy(update={"emit": task.emit.model_copy(update={"math": "inline"})})
+    program = program_of(inline_task, controller.design)
+    return render_files(inline_task, controller.design, program, controller.certificate), True
 
 
 def _run(command: list[str]) -> None:
@@ -123,21 +128,21 @@ def _run(command: list[str]) -> None:
         raise RuntimeError(f"{Path(command[0]).name} refused it: {result.stderr.strip()[-300:]}")
 
 
-def _version() -> str:
-    told = subprocess.run([CLANG, "--version"], capture_output=True, text=True, check=False).stdout
-    return told.partition("\n")[0].strip()
+def _compiler_version() -> str:
+    output = subprocess.run([CLANG, "--version"], capture_output=True, text=True, check=False).stdout
+    return output.partition("\n")[0].strip()
 
 
-def setting(
-    controller: EmittedController, made: Driven, plant: Model, w_max: float, sampling: SamplingReport | None
+def drive_settings(
+    controller: EmittedController, module: DriveModule, plant: Model, w_max: float, sampling: SamplingReport | None
 ) -> dict[str, Any]:
-    """What the page's loop needs: the module, sizes, and what is proved for |w| <= w_max: period, latency, noise, starts."""
+    """Return the data of the page's loop: the module, sizes, and what is proved for |w| <= w_max."""
     task = controller.task
-    own = None if sampling is None else sampling.at_this_gain
+    proved_period = None if sampling is None else sampling.at_this_gain
     proved = None
-    if sampling is not None and own is not None:
+    if sampling is not None and proved_period is not None:
         proved = {
-            "period": own.period,
+            "period": proved_period.period,
             "shortest": sampling.shortest,
             "latency": float(task.control.latency or 0),
             "noise": float(task.plant.noise or 0),
@@ -145,27 +150,29 @@ def setting(
             "share": float(task.initial_set.share),
         }
     return {
-        "wasm": base64.b64encode(made.wasm).decode(),
+        "wasm": base64.b64encode(module.wasm).decode(),
         "order": task.order,
         "adaptive": controller.design.is_stateful,
         "differs": task.uses_differences,
         "x": [float(v) for v in task.initial_state],
         "noise_v": float(task.plant.noise_v or 0) / float(task.plant.noise) if task.plant.noise else 1.0,
         "constants": [(low + high) / 2 for low, high in plant.constants],
-        "period": first_period(controller, own),
+        "period": first_period(controller, proved_period),
         "proved": proved,
     }
 
 
-def first_period(controller: EmittedController, own: ProvedPeriod | None) -> float:
-    """The period that driving begins with: that of the task; else one that is proved and so short that u at its clamp, of order
-    1, throws the state no farther than the tube is wide."""
+def first_period(controller: EmittedController, proved_period: ProvedPeriod | None) -> float:
+    """Return the sampling period, in seconds, with which the section begins: that of the task, else a proved one.
+
+    The latter is so short that, of order 1, u at its clamp moves the state by less than the width of the tube.
+    """
     task = controller.task
-    asked = task.control.period or task.emit.tick_period
-    if asked is not None:
-        return float(asked)
-    found = min(own.period if own else 0.01, 0.01, float(task.prescribed_time) / 100)
-    most = clamp_input(controller)
-    if task.order == 1 and task.u_max is None and most is not None and not controller.design.is_stateful:
-        found = min(found, 0.8 * float(controller.certificate.minimum_width) / most)
-    return found
+    stated = task.control.period or task.emit.tick_period
+    if stated is not None:
+        return float(stated)
+    period = min(proved_period.period if proved_period else 0.01, 0.01, float(task.prescribed_time) / 100)
+    largest_u = clamp_input(controller)
+    if task.order == 1 and task.u_max is None and largest_u is not None and not controller.design.is_stateful:
+        period = min(period, 0.8 * float(controller.certificate.minimum_width) / largest_u)
+    return period

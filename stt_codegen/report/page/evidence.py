@@ -1,6 +1,7 @@
-"""Evidence for an assessor, made while the report is: the stand-alone checker, compilers, the reference, the self-test, MISRA.
+"""Run the evidence of the page for an assessor: stand-alone checker, compilers, reference, self-test, MISRA.
 
-Every number here comes from this run; where a tool is missing, the row says so."""
+Every number comes from this run; where a tool is missing, the row says so. `report` and report/page/page.py use it.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +10,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from typing import NamedTuple
 
 from stt_codegen.certify import Finding, checker
 from stt_codegen.compare import Row, compare_backend
@@ -24,12 +26,13 @@ from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC, find_compiler
 from stt_codegen.properties import Property
 from stt_codegen.report.page.bill_of_materials import library_calls
-from stt_codegen.report.page.misra import DEVIATIONS, findings
+from stt_codegen.report.page.misra import DEVIATIONS, count_deviations
+from stt_codegen.task import Task
 
 COMPILERS = ("gcc", "clang")
-SECONDS = 60  # that the self-test may take
-POINTS = 2000  # random points of the comparison, beside the edges
-HOW = {
+SELFTEST_TIME_LIMIT = 60  # seconds
+RANDOM_POINTS = 2000  # of the comparison with the reference, beside points at the edges
+PROOFS = {  # by method of the certificate
     "exact": "exact rational arithmetic on the coefficients in the C",
     "enclosure": "enclosures of the emitted statements",
     "sampled": "samples, which prove nothing between them",
@@ -38,101 +41,124 @@ HOW = {
 
 @dataclass(frozen=True, kw_only=True)
 class Requirement:
-    """A line of the chain from what the task asks to what was measured."""
+    """A row of the table that leads from what the task requires to the margin of the certificate.
 
-    asked: str
+    proof: how the certificate proves it; second_check: what computes it again. All are texts but `holds`.
+    """
+
+    requirement: str
     label: str
     statement: str
     holds: bool
-    shown: str
-    checked: str
-    measured: str
+    proof: str
+    second_check: str
+    margin: str
 
 
 @dataclass(frozen=True)
 class Check:
-    """Something that was run: whether it is as it should be (None: it could not be run), and what came of it."""
+    """A check that was run. has_passed: None where it could not be run. message: its result, or why it was not run."""
 
     name: str
-    good: bool | None
-    told: str
+    has_passed: bool | None
+    message: str
+
+
+class MisraDeviation(NamedTuple):
+    """A row of the table of deviations. place_count: places in the C; where: the names there."""
+
+    rule: str
+    place_count: int
+    kind: str
+    where: str
+    why: str
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
+    """What was run for a page. misra: None without cppcheck; unlisted: rules that are broken without a stated reason.
+
+    flags: of the compilers. not_shown: sentences on what no row proves.
+    """
+
     requirements: tuple[Requirement, ...]
     checks: tuple[Check, ...]
-    misra: tuple[tuple[str, int, str, str, str], ...] | None  # rule, how often, kind, where, why
+    misra: tuple[MisraDeviation, ...] | None
     unlisted: tuple[str, ...]
     flags: str
     not_shown: tuple[str, ...]
 
     @property
-    def good(self) -> bool:
-        return all(one.good is not False for one in self.checks) and not self.unlisted
+    def has_no_failure(self) -> bool:
+        """Whether no check failed and every deviation from MISRA has a reason."""
+        return all(check.has_passed is not False for check in self.checks) and not self.unlisted
 
 
 def evidence(controller: EmittedController, source: Path | None = None, boards: Sequence[Check] = ()) -> Evidence:
-    """Run what can be run here. source: the task's file, which the stand-alone checker reads; boards: what ran on boards."""
-    stand_alone = _stand_alone(controller, source)
-    compared = _compared(controller)
-    found = findings(controller.files)
-    prefix = controller.task.name
-    rules = None
-    if found is not None:
-        known = [(rule, count, DEVIATIONS[rule]) for rule, count in found.items() if rule in DEVIATIONS]
-        text = b"\n".join(controller.files.values()).decode()
-        rules = tuple((rule, count, d.kind, _named(d.where, prefix, text), d.why) for rule, count, d in known)
+    """Run all checks whose tools are installed. source: the task file, for the stand-alone checker; boards: checks on boards."""
+    stand_alone = _run_stand_alone_checker(controller, source)
+    compared = _compare_with_reference(controller)
+    counts = count_deviations(controller.files)
     return Evidence(
         requirements=tuple(_requirements(controller, stand_alone, compared)),
-        checks=(stand_alone, compared, *_compiled(controller), _selftest(controller), *boards),
-        misra=rules,
-        unlisted=tuple(rule for rule in found or () if rule not in DEVIATIONS),
+        checks=(stand_alone, compared, *_compile_strictly(controller), _run_selftest(controller), *boards),
+        misra=None if counts is None else _listed_deviations(controller, counts),
+        unlisted=tuple(rule for rule in counts or () if rule not in DEVIATIONS),
         flags=" ".join(STRICT),
-        not_shown=tuple(not_shown(controller)),
+        not_shown=tuple(unproved_statements(controller)),
     )
 
 
-def _named(where: str, prefix: str, text: str) -> str:
-    """Where a rule is not kept, with the names of this task; of several names those that it has."""
-    told = where.replace("<p>", prefix).replace("<P>", prefix.upper())
-    names = re.findall(r"`(\w+)`", told)
+def _listed_deviations(controller: EmittedController, counts: Mapping[str, int]) -> tuple[MisraDeviation, ...]:
+    """Return the deviations with a stated reason. counts: places by rule."""
+    text, prefix = b"\n".join(controller.files.values()).decode(), controller.task.name
+    listed = ((rule, count, DEVIATIONS[rule]) for rule, count in counts.items() if rule in DEVIATIONS)
+    return tuple(
+        MisraDeviation(rule, count, deviation.kind, _names_in_file(deviation.where, prefix, text), deviation.why)
+        for rule, count, deviation in listed
+    )
+
+
+def _names_in_file(where: str, prefix: str, text: str) -> str:
+    """Write the names of a deviation for this task, without those of several that the C does not have."""
+    description = where.replace("<p>", prefix).replace("<P>", prefix.upper())
+    names = re.findall(r"`(\w+)`", description)
     absent = [name for name in names if name not in text] if len(names) > 1 else []
     for name in absent:
-        told = told.replace(f", `{name}`", "").replace(f"`{name}`, ", "")
-    return told.replace("`", "")
+        description = description.replace(f", `{name}`", "").replace(f"`{name}`, ", "")
+    return description.replace("`", "")
 
 
 def _requirements(controller: EmittedController, stand_alone: Check, compared: Check) -> Iterator[Requirement]:
-    """What the task asks, property by property."""
+    """Yield a row for each property of the certificate."""
     certificate = controller.certificate
-    again = "the stand-alone checker, from the C" if stand_alone.good else "nothing else here"
-    for one in certificate.findings:
-        how = HOW[certificate.method]
-        checked = again
-        if one.subject is Property.ARITHMETIC:
-            how = "a derived bound on every rounding"
-            checked += ", and the compiled C beside a reference" if compared.good else ""
-        elif one.subject is Property.PERIOD:
-            how = "intervals over every time window, with the theorem of the lemma book"
+    checker_passed = "the stand-alone checker, from the C" if stand_alone.has_passed else "nothing else here"
+    for finding in certificate.findings:
+        proof = PROOFS[certificate.method]
+        second_check = checker_passed
+        if finding.subject is Property.ARITHMETIC:
+            proof = "a derived bound on every rounding"
+            second_check += ", and the compiled C beside a reference" if compared.has_passed else ""
+        elif finding.subject is Property.PERIOD:
+            proof = "intervals over every time window, with the theorem of the lemma book"
         yield Requirement(
-            asked=asked(controller, one),
-            label=one.subject.label,
-            statement=one.statement,
-            holds=one.holds,
-            shown=how,
-            checked=checked,
-            measured=measured(one),
+            requirement=requirement_of(controller, finding),
+            label=finding.subject.label,
+            statement=finding.statement,
+            holds=finding.holds,
+            proof=proof,
+            second_check=second_check,
+            margin=format_margin(finding),
         )
 
 
-def measured(one: Finding) -> str:
-    """What is left to spare, with its unit; of what fails, by how much, with a minus."""
-    return f"{float(one.margin):.3g}{' s' if one.is_in_seconds else ''}" if one.margin else ""
+def format_margin(finding: Finding) -> str:
+    """Return the margin of a property, with its unit if that is seconds; negative where the property fails."""
+    return f"{float(finding.margin):.3g}{' s' if finding.is_in_seconds else ''}" if finding.margin else ""
 
 
-def asked(controller: EmittedController, one: Finding) -> str:
-    """The requirement of the task that a property is about."""
+def requirement_of(controller: EmittedController, finding: Finding) -> str:
+    """Return the requirement of the task that a property is about, as a sentence."""
     task = controller.task
     texts = {
         Property.WIDTH: f"The tube is nowhere narrower than tube.min_width = {decimal(task.tube.min_width)}.",
@@ -144,11 +170,11 @@ def asked(controller: EmittedController, one: Finding) -> str:
         texts[Property.STAY] = "The tube stays in state_space, the body with it."
     if task.target_set is None:
         texts[Property.REACH] = "The tube ends where the mission lets it."
-    return texts.get(one.subject, one.subject.sentence)
+    return texts.get(finding.subject, finding.subject.sentence)
 
 
-def _stand_alone(controller: EmittedController, source: Path | None) -> Check:
-    """The checker as a process of its own, which imports nothing of this package."""
+def _run_stand_alone_checker(controller: EmittedController, source: Path | None) -> Check:
+    """Run the checker as a process of its own, which imports nothing of this package."""
     name, prefix = "stand-alone checker", controller.task.name
     if not controller.design.capabilities.has_exact_claims:
         return Check(name, None, f"is for {kinds_offering('has_exact_claims')} tubes; this one is {controller.design.kind}")
@@ -157,31 +183,32 @@ def _stand_alone(controller: EmittedController, source: Path | None) -> Check:
     with tempfile.TemporaryDirectory() as folder:
         for file, data in controller.files.items():
             Path(folder, file).write_bytes(data)
-        read = (
+        task_file = (
             source if controller.task.expanded_text is None else f"{folder}/{spelled_name(prefix)}"
-        )  # with its map or outline spelled out
-        paths = [str(read), f"{folder}/{prefix}.c", f"{folder}/{prefix}.certificate.json"]
+        )  # has no map or outline
+        paths = [str(task_file), f"{folder}/{prefix}.c", f"{folder}/{prefix}.certificate.json"]
         command = [sys.executable, "-I", checker.__file__, *paths]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
-    told = (result.stdout or result.stderr).strip().rpartition("\n")[2].removeprefix("checker: ").replace(f"{folder}/", "")
-    return Check(name, result.returncode == 0, told)
+    last_line = (result.stdout or result.stderr).strip().rpartition("\n")[2]
+    message = last_line.removeprefix("checker: ").replace(f"{folder}/", "")
+    return Check(name, result.returncode == 0, message)
 
 
-def _compared(controller: EmittedController) -> Check:
-    """The compiled C beside the reference, quantity by quantity."""
+def _compare_with_reference(controller: EmittedController) -> Check:
+    """Compare the compiled C with an independent reference, quantity by quantity."""
     name = "compiled C beside an independent reference"
     try:
-        rows: list[Row] = compare_backend(controller, CompiledC, POINTS)
+        rows: list[Row] = compare_backend(controller, CompiledC, RANDOM_POINTS)
     except SttError as error:
         return Check(name, None, str(error).partition("\n")[0])
     worst = max(rows, key=lambda r: r.share)
     total = sum(r.points for r in rows)
-    told = f"{total:,} values; nearest to its derived bound: {worst.quantity}, at {worst.share:.0%} of it"
-    return Check(name, all(r.holds for r in rows), told)
+    message = f"{total:,} values; nearest to its derived bound: {worst.quantity}, at {worst.share:.0%} of it"
+    return Check(name, all(r.holds for r in rows), message)
 
 
-def _compiled(controller: EmittedController) -> Iterator[Check]:
-    """Every C file under the strict flags, by every compiler that is here."""
+def _compile_strictly(controller: EmittedController) -> Iterator[Check]:
+    """Compile every C file under the strict flags, with every compiler that is installed."""
     for compiler in COMPILERS:
         path = shutil.which(compiler)
         if path is None:
@@ -194,16 +221,16 @@ def _compiled(controller: EmittedController) -> Iterator[Check]:
             sources = sorted(p.name for p in Path(folder).glob("*.c"))
             command = [path, *STRICT, "-c", *sources]
             result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        told = (
+        message = (
             f"{version}: no warning in {', '.join(sources)}"
             if result.returncode == 0
             else result.stderr.strip()[:300].replace(f"{folder}/", "")
         )
-        yield Check(f"{compiler}, strict flags", result.returncode == 0, told)
+        yield Check(f"{compiler}, strict flags", result.returncode == 0, message)
 
 
-def _selftest(controller: EmittedController) -> Check:
-    """The emitted self-test, compiled and run on this host."""
+def _run_selftest(controller: EmittedController) -> Check:
+    """Compile the emitted self-test and run it on this host."""
     name, prefix = "self-test on this host", controller.task.name
     if selftest_name(prefix) not in controller.files:
         return Check(name, None, "is not emitted; emit.selftest = true adds it")
@@ -216,43 +243,64 @@ def _selftest(controller: EmittedController) -> Check:
             Path(folder, file).write_bytes(data)
         Path(folder, "main.c").write_text(f'#include "{prefix}.h"\nint main(void) {{ return {prefix}_selftest(); }}\n')
         sources = ["main.c", f"{prefix}.c", selftest_name(prefix)]
-        made = subprocess.run([compiler, *STRICT, *sources, "-o", "main", "-lm"], cwd=folder, capture_output=True, check=False)
-        if made.returncode:
+        command = [compiler, *STRICT, *sources, "-o", "main", "-lm"]
+        compilation = subprocess.run(command, cwd=folder, capture_output=True, check=False)
+        if compilation.returncode:
             return Check(name, False, "does not compile under the strict flags")
         try:
-            code = subprocess.run([f"{folder}/main"], check=False, capture_output=True, timeout=SECONDS).returncode
+            code = subprocess.run([f"{folder}/main"], check=False, capture_output=True, timeout=SELFTEST_TIME_LIMIT).returncode
         except subprocess.TimeoutExpired:
-            return Check(name, False, f"does not end within {SECONDS} s")
+            return Check(name, False, f"does not end within {SELFTEST_TIME_LIMIT} s")
     return Check(name, code == 0, "every vector within its enclosure" if code == 0 else f"vector {code} is off")
 
 
-def not_shown(controller: EmittedController) -> Iterator[str]:
-    """What no line of the report shows, for this task."""
+def unproved_statements(controller: EmittedController) -> Iterator[str]:
+    """Yield sentences on what nothing in the report proves about this task, each beginning with "That" or "Anything"."""
     task, certificate = controller.task, controller.certificate
-    shown = {one.subject for one in certificate.findings if one.holds}
+    proved = {finding.subject for finding in certificate.findings if finding.holds}
+    yield from _unproved_of_control(controller, proved)
+    yield from _unproved_of_the_plant(controller)
+    yield from _unproved_of_the_task(task)
+    calls = [name for name in library_calls(controller.files) if name != "memcpy"]
+    yield (
+        "That the compiler, its options and the C library do what C99, IEEE-754 and docs/c.md say"
+        + (f": {', '.join(calls)} within 2 units in the last place." if calls else ".")
+    )
+    if task.repeat:
+        yield "That a clock in seconds is right after many turns: its rounding adds up; ticks lose nothing."
+
+
+def _unproved_of_control(controller: EmittedController, proved: set[Property]) -> Iterator[str]:
+    """Yield what is not proved of sampling, of the limits of u and of input delays."""
+    task, certificate = controller.task, controller.certificate
     if not certificate.holds:
         yield "That this tube does its task (see the properties that fail), and that a controller keeps any state in it."
-    elif Property.PERIOD not in shown:
+    elif Property.PERIOD not in proved:
         yield (
             "That your sampling is fast enough: the state stays in the tube by Theorem 4.1, in continuous time"
             + (", while u is not held within u_max" if task.u_max is not None else "")
             + "; what is proved of held inputs stands above under its own assumptions "
             + f"(control.period makes it {Property.PERIOD.label})."
         )
-    if certificate.holds and task.u_max is not None and not shown & {Property.LIMITS, Property.PERIOD}:
+    if certificate.holds and task.u_max is not None and not proved & {Property.LIMITS, Property.PERIOD}:
         yield (
             "That u_max is enough: Theorem 4.1 assumes that u never reaches it "
             f"(bounds in [plant] make that {Property.LIMITS.label})."
         )
     if task.u_max is None:
         yield "That u is within what your actuators can do: nothing limits it but the clamp (control.u_max)."
-    if Property.PERIOD in shown:
+    if Property.PERIOD in proved:
         yield (
             "That samples come every control.period or faster, that none is lost, that the first input acts at once and all "
             "others within control.latency."
         )
     else:
         yield "Anything about an input that acts later than at its sample, but for what stands above with its latency."
+
+
+def _unproved_of_the_plant(controller: EmittedController) -> Iterator[str]:
+    """Yield what is assumed of plant, actuators, sensors and alpha."""
+    task = controller.task
     stated = "the bounds of [plant]" if task.plant.is_stated else "what Theorem 4.1 asks of a plant"
     yield f"That your plant is within {stated}, and that nothing else acts on it."
     yield f"That there is no {'inertia or ' if task.order == 1 else ''}lag between u and what it moves."
@@ -261,6 +309,10 @@ def not_shown(controller: EmittedController) -> Iterator[str]:
     )
     if controller.design.is_stateful:
         yield "That alpha begins with alpha_init at t = 0 and is stepped within the steps that the certificate names."
+
+
+def _unproved_of_the_task(task: Task) -> Iterator[str]:
+    """Yield what is assumed of sets, maps and the robot's size."""
     if task.has_timed_sets:
         yield "That the sets are where and when the task says, by a clock that agrees with the controller's."
     if "outline" in task.expanded_keys:
@@ -269,10 +321,3 @@ def not_shown(controller: EmittedController) -> Iterator[str]:
         yield "That the sets hold every occupied cell of the map: this tool's word; the checker reads them spelled out."
     if task.body is None:
         yield "Anything about a robot that has a size: the state is a point here (body)."
-    calls = [name for name in library_calls(controller.files) if name != "memcpy"]
-    yield (
-        "That the compiler, its options and the C library do what C99, IEEE-754 and docs/c.md say"
-        + (f": {', '.join(calls)} within 2 units in the last place." if calls else ".")
-    )
-    if task.repeat:
-        yield "That a clock in seconds is right after many turns: its rounding adds up; ticks lose nothing."

@@ -1,4 +1,5 @@
-"""Where the emitted C deviates from MISRA C:2012, as cppcheck's addon reads it, and why. docs/c.md has the same table."""
+"""List where the emitted C deviates from MISRA C:2012 and why, and count deviations with cppcheck. docs/c.md has the same
+table."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ CHECKER = "cppcheck"
 
 @dataclass(frozen=True)
 class Deviation:
-    """A rule that some emitted file does not keep: `where`, with <p> for the prefix, in Markdown; why."""
+    """A rule from which some emitted file deviates. where: names in Markdown, with <p> for the task's name, <P> in capitals."""
 
     rule: str
     kind: str
@@ -25,8 +26,8 @@ class Deviation:
 
 
 DEVIATIONS = {
-    one.rule: one
-    for one in (
+    deviation.rule: deviation
+    for deviation in (
         Deviation(
             "2.3", "advisory", "`<p>_real_size`, inline logarithms only; `<p>_shifts_down`, integers only",
             "a type that cannot be made where the scalar or the compiler is another one: C99 has no static assertion",
@@ -55,8 +56,8 @@ DEVIATIONS = {
 }  # fmt: skip
 
 
-def findings(files: Mapping[str, bytes]) -> dict[str, int] | None:
-    """How often which rule is not kept in the C of these files, taken as one program; None without cppcheck."""
+def count_deviations(files: Mapping[str, bytes]) -> dict[str, int] | None:
+    """Count the deviations from each rule in the C of these files, taken as one program; None without cppcheck."""
     checker = shutil.which(CHECKER)
     if checker is None:
         return None
@@ -70,4 +71,4 @@ def findings(files: Mapping[str, bytes]) -> dict[str, int] | None:
     if result.returncode:
         return None
     rules = Counter(re.findall(r"\[misra-c2012-(\d+\.\d+)\]", result.stderr))
-    return dict(sorted(rules.items(), key=lambda one: [int(v) for v in one[0].split(".")]))
+    return dict(sorted(rules.items(), key=lambda deviation: [int(v) for v in deviation[0].split(".")]))

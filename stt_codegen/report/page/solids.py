@@ -1,4 +1,4 @@
-"""Convex sets in three dimensions as corners and flat faces, for a view that turns."""
+"""Convert convex sets in three dimensions to corners and flat faces, for the page's view that turns."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
-SAME = 6  # decimals to which the equations of one face agree, of sizes of 1
+EQUATION_DECIMALS = 6  # to which equations of triangles of one face agree, in units of the set's size
 
 
-def solid(points: Array) -> tuple[Array, list[list[int]]]:
-    """The corners of the hull of points (P, 3), and its faces, each the numbers of its corners in order around it. A set without
-    a volume has no faces."""
+def convex_solid(points: Array) -> tuple[Array, list[list[int]]]:
+    """Return the corners of the hull of points (P, 3), and its faces as numbers of corners in order around each.
+
+    A set without a volume has no faces.
+    """
     from scipy.spatial import ConvexHull, QhullError
 
     size = np.ptp(points, axis=0)
@@ -24,20 +26,23 @@ def solid(points: Array) -> tuple[Array, list[list[int]]]:
         hull = ConvexHull(scaled)
     except QhullError:
         return points, []
-    together: dict[tuple[float, ...], set[int]] = {}
+    corners_by_plane: dict[tuple[float, ...], set[int]] = {}
     for equation, corners in zip(hull.equations, hull.simplices, strict=True):
-        together.setdefault(tuple((np.round(equation, SAME) + 0.0).tolist()), set()).update(corners.tolist())
-    kept = sorted(hull.vertices.tolist())
-    place = {old: new for new, old in enumerate(kept)}
-    faces = [[place[k] for k in _around(scaled, sorted(corners), np.array(plane[:3]))] for plane, corners in together.items()]
-    return points[kept], faces
+        corners_by_plane.setdefault(tuple((np.round(equation, EQUATION_DECIMALS) + 0.0).tolist()), set()).update(corners.tolist())
+    used_points = sorted(hull.vertices.tolist())
+    new_number = {old: new for new, old in enumerate(used_points)}
+    faces = []
+    for plane, corners in corners_by_plane.items():
+        around = _corners_in_order(scaled, sorted(corners), np.array(plane[:3]))
+        faces.append([new_number[k] for k in around])
+    return points[used_points], faces
 
 
-def _around(points: Array, corners: Sequence[int], normal: Array) -> list[int]:
-    """The corners of a face in order around it."""
+def _corners_in_order(points: Array, corners: Sequence[int], normal: Array) -> list[int]:
+    """Return the corners of a face in order around it."""
     first = np.eye(3)[int(np.argmin(np.abs(normal)))]
     a = np.cross(normal, first)
     b = np.cross(normal, a)
-    away = points[list(corners)] - points[list(corners)].mean(axis=0)
-    order = np.argsort(np.arctan2(away @ b, away @ a))
+    offsets = points[list(corners)] - points[list(corners)].mean(axis=0)
+    order = np.argsort(np.arctan2(offsets @ b, offsets @ a))
     return [corners[k] for k in order]

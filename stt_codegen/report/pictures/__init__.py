@@ -1,6 +1,6 @@
-"""Pictures of sets, maps and tubes. They import matplotlib."""
+"""Draw sets, maps and tubes. Imports matplotlib."""
 
-from stt_codegen.report.pictures.drawing import COLOURS, label, patch
+from stt_codegen.report.pictures.drawing import COLOURS, SampledTube, label, patch, sample_tube
 from stt_codegen.report.pictures.map_pictures import draw_map, map_report
 from stt_codegen.report.pictures.tube_pictures import (
     draw,
@@ -9,16 +9,17 @@ from stt_codegen.report.pictures.tube_pictures import (
     draw_sets,
     draw_trade,
     figure_of,
+    figure_with_times,
     panels,
     picture_path,
     plane_named,
     planes_of,
     save,
-    sheet,
 )
 
 __all__ = [
     "COLOURS",
+    "SampledTube",
     "draw",
     "draw_arena",
     "draw_dimension",
@@ -26,6 +27,7 @@ __all__ = [
     "draw_sets",
     "draw_trade",
     "figure_of",
+    "figure_with_times",
     "label",
     "map_report",
     "panels",
@@ -33,6 +35,6 @@ __all__ = [
     "picture_path",
     "plane_named",
     "planes_of",
+    "sample_tube",
     "save",
-    "sheet",
 ]
