@@ -29,7 +29,7 @@ from brax.training.agents.ppo import networks, train
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from benchmarks.peers.policy import FAMILY, HERTZ, SEEN, SPEED, Policy, observe
+from benchmarks.peers.policy import FAMILY, HERTZ, OBSERVATION_SIZE, SPEED, Policy, observe
 from benchmarks.suites.families import BOX, cubes, is_feasible
 
 FIRST = 100_000  # seeds of the arenas that are trained on; the benchmark has 0 to 499
@@ -80,7 +80,7 @@ class Arena(Env):
     def __init__(self, arenas: tuple[np.ndarray, np.ndarray]) -> None:
         self.boxes, self.maps = jnp.asarray(arenas[0]), jnp.asarray(arenas[1])
 
-    observation_size = SEEN
+    observation_size = OBSERVATION_SIZE
     action_size = 2
     backend = "none"
 

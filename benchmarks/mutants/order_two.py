@@ -36,9 +36,9 @@ from benchmarks.mutants.tubes import (
     with_entry,
 )
 from benchmarks.oracles.order_two import (
-    available_accelerations,
+    control_authority,
     first_order_two_fault,
-    largest_required_acceleration,
+    largest_demanded_acceleration,
     spline_piece,
 )
 from benchmarks.oracles.sturm import evaluate
@@ -97,7 +97,7 @@ def order_two_base(name: str, scalar: str, claims: str) -> BaseTube | None:
     if "limited" in claims:
         plant |= {"f_max": Fraction(rng.choice((0, 1)), 10), "g_min": Fraction(rng.choice((6, 9, 10)), 10)}
         plant |= {"g_cross": Fraction(rng.choice((0, 0, 2)), 100)}
-        required = max(largest_required_acceleration(design, i) for i in range(design.dimension))
+        required = max(largest_demanded_acceleration(design, i) for i in range(design.dimension))
         needed_input = (required + DISTURBANCE + plant["f_max"]) / (plant["g_min"] - plant["g_cross"] * (design.dimension - 1))
         u_max = floor_to_file(needed_input * Fraction(rng.choice((101, 105, 130, 200)), 100))
         task = task.changed(control={"u_max": (u_max,) * design.dimension})
@@ -284,10 +284,10 @@ def raise_start_share(rng: Random, base: BaseTube) -> Mutant:
 
 def _acceleration_margin(base: BaseTube, i: int) -> Fraction:
     """Return by how much the available acceleration exceeds the required one. Raises ValueError where u is not limited."""
-    available = available_accelerations(base.task)
+    available = control_authority(base.task)
     if available is None:
         raise ValueError("u is not limited")
-    return available[i] - largest_required_acceleration(base.design, i)
+    return available[i] - largest_demanded_acceleration(base.design, i)
 
 
 def lower_input_limit(rng: Random, base: BaseTube) -> Mutant:

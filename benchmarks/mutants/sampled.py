@@ -23,7 +23,7 @@ from benchmarks.mutants.order_two import (
     order_two_design,
 )
 from benchmarks.mutants.tubes import Mutant, floor_to_file, with_entry
-from benchmarks.oracles.order_two import largest_required_acceleration
+from benchmarks.oracles.order_two import largest_demanded_acceleration
 from stt_codegen.certify.certificate import PeriodProof
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import NotCertified
@@ -69,7 +69,7 @@ def base_loop(name: str, claims: str) -> BaseLoop | None:
     control: dict[str, Any] = {}
     if "limited" in claims:
         plant |= {"g_min": Fraction(rng.choice((9, 10)), 10), "g_max": Fraction(rng.choice((10, 11)), 10)}
-        required = max(largest_required_acceleration(design, i) for i in range(design.dimension))
+        required = max(largest_demanded_acceleration(design, i) for i in range(design.dimension))
         needed_input = (required + DISTURBANCE + plant["f_max"]) / plant["g_min"]
         control["u_max"] = floor_to_file(needed_input * Fraction(rng.choice((110, 130, 200)), 100))
     if "noise" in claims:
@@ -171,7 +171,7 @@ def set_start_speed(rng: Random, base: BaseLoop) -> Task:
 
 def lower_input_limit(rng: Random, base: BaseLoop) -> Task:
     """Lower u_max of one component; where u is free, limit it first."""
-    i, needed_input = rng.randrange(base.task.dimension), largest_required_acceleration(base.design, 0) + DISTURBANCE
+    i, needed_input = rng.randrange(base.task.dimension), largest_demanded_acceleration(base.design, 0) + DISTURBANCE
     u_max = base.task.u_max or (2 * needed_input,) * base.task.dimension
     lowered = with_entry(u_max, i, u_max[i] / draw_factor_above_one(rng, 0))
     return with_control(base.task, u_max=tuple(map(round_to_decimals, lowered)))

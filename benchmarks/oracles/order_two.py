@@ -63,7 +63,7 @@ class SplinePiece:
         return linear_combination((1, self.time_derivative(self.width)), (self.lambda_, self.width))
 
     @property
-    def required_accelerations(self) -> tuple[Polynomial, Polynomial]:
+    def demanded_accelerations(self) -> tuple[Polynomial, Polynomial]:
         """lambda^2 W + L'' and lambda^2 W - R'', inwards, at the lower edge and at the upper one."""
         low, high = (self.time_derivative(self.time_derivative(p)) for p in (self.lower, self.upper))
         square = self.lambda_**2
@@ -91,7 +91,7 @@ def emitted_input_limits(task: Task) -> list[Fraction]:
     return limits
 
 
-def available_accelerations(task: Task) -> list[Fraction] | None:
+def control_authority(task: Task) -> list[Fraction] | None:
     """Return g_min u_max - F by component, with the other inputs at their limits. None where the task does not claim P8."""
     plant = task.plant
     bounds = (plant.f_max, plant.w_max, plant.g_min, plant.g_max, plant.g_cross)
@@ -115,7 +115,7 @@ def order_two_faults(
     units: margin, in table units, of the rates and accelerations of an edge (by segment's time); segments: those that are looked
     at, all by default."""
     rate, t_c = Fraction(design.segments) / design.prescribed_time, design.prescribed_time
-    available, margin = available_accelerations(task), units * design.unit
+    available, margin = control_authority(task), units * design.unit
     for i in range(task.dimension):
         first, last = spline_piece(design, 0, i), spline_piece(design, design.segments - 1, i)
         distance = min(_start_distances(task, first, i)) - margin * rate
@@ -130,7 +130,7 @@ def order_two_faults(
             s = negative_point(linear_combination((1, piece.filtered_width), (-1, polynomial((SMALLEST_WIDTH + margin * rate,)))))
             if s is not None:
                 yield Fault("P1 z", (k + s) / rate, i)
-            for required in piece.required_accelerations if available is not None else ():
+            for required in piece.demanded_accelerations if available is not None else ():
                 allowed = polynomial((available[i] - margin * rate**2,))
                 s = nonpositive_point(linear_combination((1, allowed), (-1, required)))
                 if s is not None:
@@ -160,7 +160,7 @@ def property_that_hulls_miss(task: Task, design: RefinedDesign, width_margin: Fr
 
     So a certificate that halves no segment may refuse a safe tube. width_margin: of the filtered tube's width; units: of the
     acceleration, as in `order_two_faults`."""
-    available, rate = available_accelerations(task), Fraction(design.segments) / design.prescribed_time
+    available, rate = control_authority(task), Fraction(design.segments) / design.prescribed_time
     for i in range(task.dimension):
         for k in range(design.segments):
             piece = spline_piece(design, k, i)
@@ -168,7 +168,7 @@ def property_that_hulls_miss(task: Task, design: RefinedDesign, width_margin: Fr
                 return "P1 z"
             if available is None:
                 continue
-            required = max(v for p in piece.required_accelerations for v in _bezier_ordinates(p))
+            required = max(v for p in piece.demanded_accelerations for v in _bezier_ordinates(p))
             if required > available[i] - units * design.unit * rate**2:
                 return "P8"
     return ""
@@ -180,12 +180,12 @@ def _bezier_ordinates(p: Polynomial) -> list[Fraction]:
     return [a, a + b / 3, a + 2 * b / 3 + c / 3, a + b + c + d]
 
 
-def largest_required_acceleration(design: RefinedDesign, i: int) -> Fraction:
+def largest_demanded_acceleration(design: RefinedDesign, i: int) -> Fraction:
     """Return the largest acceleration that a component requires at either edge: a value that it takes, in doubles next to the
     maximum."""
     largest = []
     for k in range(design.segments):
-        for p in spline_piece(design, k, i).required_accelerations:
+        for p in spline_piece(design, k, i).demanded_accelerations:
             a, b, c = (float(v) for v in (*differentiate(p), *[Fraction(0)] * 3)[:3])
             root = math.sqrt(max(b * b - 4 * a * c, 0.0))
             stationary = [(-b + sign * root) / (2 * c) for sign in (1, -1)] if c else [-a / b] if b else []
@@ -218,7 +218,7 @@ def leaving_state(task: Task, design: RefinedDesign, fault: Fault) -> LeavingSta
 
     Returns None where the filtered tube has no width there, or where required and available acceleration are equal, so that no
     state leaves."""
-    available, rate, i = available_accelerations(task), Fraction(design.segments) / design.prescribed_time, fault.dimension
+    available, rate, i = control_authority(task), Fraction(design.segments) / design.prescribed_time, fault.dimension
     assert available is not None
     assert i is not None
     k = min(math.floor(fault.time * rate), design.segments - 1)
@@ -245,7 +245,7 @@ def _upside_down(piece: SplinePiece) -> SplinePiece:
 def _leaves_above(piece: SplinePiece, s: Fraction, available: Fraction) -> tuple[Fraction, Fraction, Fraction] | None:
     """Return x and v at s, and the seconds after which z is above the upper edge of the filtered tube; None where none is
     found."""
-    required, width = evaluate(piece.required_accelerations[1], s), evaluate(piece.width, s)
+    required, width = evaluate(piece.demanded_accelerations[1], s), evaluate(piece.width, s)
     lacking, filtered_width = required - available, evaluate(piece.filtered_width, s)
     if lacking <= 0 or width <= 0 or filtered_width <= 0:
         return None

@@ -1,12 +1,13 @@
-"""What a user would reach for instead, run on the same random arenas: planners, a reachability solver, a safety filter.
+"""The peers of `python -m benchmarks arenas --peers`: planners, a reachability solver, a safety filter and others, on the same
+random arenas as ours.
 
-Each peer is asked its own question (`Peer.asks`); none of them answers ours, a proved tube with the controller that keeps
-an unknown system inside it. So beside time and success stands what each guarantees and what it lacks.
+Each peer answers a question of its kind (`Peer.question`). None answers ours, for a proved tube with the controller that keeps an
+unknown system inside it. So the tables state, beside time and success, what each guarantees and what it lacks.
 
-Every peer gets settings that are good for it, on one thread: OMPL an exact check of motions (in Python, like the problem)
-in place of samples along them, hj-reachability its quickest scheme, OSQP no scaling and a test of convergence at every
-iteration (a sixth of the time its defaults take). Imports, compilation and a first problem are not timed.
-The peers are optional; a missing one raises `MissingTool`.
+Every peer gets settings that are good for it, on one thread: OMPL an exact check of motions (in Python, like the problem) in
+place of samples along them, hj-reachability its quickest scheme, OSQP no scaling and a test of convergence at every iteration (a
+sixth of the time that its defaults take). Imports, compilation and a first problem are not timed. The peers are optional; a
+missing one raises `MissingTool`.
 
 Long because every peer is set up in full, so that a reader can check that it was treated fairly.
 """
@@ -21,14 +22,14 @@ from fractions import Fraction
 from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from benchmarks.peers.barrier import SPEED, closed_loops
+from benchmarks.peers.barrier import SPEED, run_closed_loops
 from benchmarks.peers.freeways import curve_is_safe, drake, fast_path
 from benchmarks.peers.funnels import grid_way
-from benchmarks.peers.in_loops import GRIDS, POLICIES, ROBOT, SAMPLED, drive
+from benchmarks.peers.in_loops import GRID_GUARANTEE, GRIDS, POLICIES, ROBOT, run_policy
 from benchmarks.peers.optional import need
 from benchmarks.peers.policy import load_policy
 from benchmarks.peers.symbolic import Abstraction, synthesize
@@ -38,13 +39,13 @@ from stt_codegen.loop.simulate import Run
 
 MARGIN = 0.02  # by which OMPL's obstacles grow
 CELLS = 100  # of the grids, by dimension
-SEED = 1  # of OMPL's random numbers, for each problem anew: the path does not depend on the problems before
-GIVE_UP = 1.0  # seconds after which a random planner stops
+OMPL_SEED = 1  # set again before each problem, so that a path does not depend on earlier problems
+PLANNER_SECONDS = 1.0  # after which a random planner stops
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """One peer on one arena: seconds are for what `Peer.per` says; the runs of one that is tried."""
+class PeerOutcome:
+    """How one peer did on one arena. seconds: of what `Peer.timed` says; note: why it failed; runs: of a policy."""
 
     success: bool
     seconds: float
@@ -54,51 +55,57 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Peer:
-    """A peer, the question it is asked, and what its answer is worth; `sample`: at most so many arenas, it is slow."""
+    """A peer, the question that it answers, and what its answer is worth.
+
+    run: takes a family and a seed; arena_limit: at most so many arenas, since it is slow; timed: "problem" or "step"."""
 
     name: str
-    asks: str
+    question: str
     guarantees: str
     lacks: str
-    run: Callable[[Family, int], Outcome]
-    sample: int | None = None
-    per: str = "problem"
+    run: Callable[[Family, int], PeerOutcome]
+    arena_limit: int | None = None
+    timed: str = "problem"
 
 
 Planner = Callable[[Family, Array], Array | None]  # family, boxes -> a path, shape (points, dimension), if it finds one
 
 
-def plan(planner: Planner, family: Family, seed: int) -> Outcome:
-    """A planner of paths on one arena; a path counts only when it is safe by our own check."""
-    return _asked(planner, family, seed, "path", path_is_safe)
+def try_path_planner(planner: Planner, family: Family, seed: int) -> PeerOutcome:
+    """Run a planner of paths on one arena. A path counts only when `path_is_safe` says so."""
+    return _try_planner(planner, family, seed, "path", path_is_safe)
 
 
-def curve(planner: Callable[[Family, Array], list[Array] | None], family: Family, seed: int) -> Outcome:
-    """A planner of curves over free boxes, as `plan`."""
-    return _asked(planner, family, seed, "curve", curve_is_safe)
+def try_curve_planner(planner: Callable[[Family, Array], list[Array] | None], family: Family, seed: int) -> PeerOutcome:
+    """Run a planner of curves over free boxes on one arena. A curve counts only when `curve_is_safe` says so."""
+    return _try_planner(planner, family, seed, "curve", curve_is_safe)
 
 
-def _asked(planner: Callable[[Family, Array], Any], family: Family, seed: int, what: str, safe: Callable[..., bool]) -> Outcome:
-    _warm(planner, family)
+def _try_planner(
+    planner: Callable[[Family, Array], Any], family: Family, seed: int, noun: str, is_safe: Callable[..., bool]
+) -> PeerOutcome:
+    """Run and time a planner on one arena, after a first problem that is not timed. noun: of its result, for the note."""
+    _warm_up(planner, family)
     boxes, begin = cubes(family, seed), time.perf_counter()
-    found = planner(family, boxes)
+    result = planner(family, boxes)
     seconds = time.perf_counter() - begin
-    note = f"no {what} found" if found is None else "" if safe(family, boxes, found) else f"its {what} is not safe"
-    return Outcome(not note, seconds, note)
+    note = f"no {noun} found" if result is None else "" if is_safe(family, boxes, result) else f"its {noun} is not safe"
+    return PeerOutcome(not note, seconds, note)
 
 
 @cache
-def _warm(planner: Callable[[Family, Array], Any], family: Family) -> None:
+def _warm_up(planner: Callable[[Family, Array], Any], family: Family) -> None:
     planner(family, cubes(family, 0))
 
 
 def path_is_safe(family: Family, boxes: Array, path: Array) -> bool:
-    """Whether straight segments lead from the start's box to the target's, inside the space, through no open box: exactly."""
+    """Whether the path's straight segments lead from the start's box to the target's, inside the state space, through no open
+    box. The answer is exact."""
     points = [[Fraction(float(v)) for v in point] for point in path]
-    inside = all(0 <= v <= family.side for point in points for v in point)
-    joins = max(points[0]) <= BOX and min(points[-1]) >= family.side - BOX
+    is_inside = all(0 <= v <= family.side for point in points for v in point)
+    joins_boxes = max(points[0]) <= BOX and min(points[-1]) >= family.side - BOX
     edges = [[(Fraction(float(low)), Fraction(float(high))) for low, high in box] for box in boxes]
-    return inside and joins and not any(_meets(p, q, box) for p, q in pairwise(points) for box in edges)
+    return is_inside and joins_boxes and not any(_meets(p, q, box) for p, q in pairwise(points) for box in edges)
 
 
 def _meets(p: Sequence[Any], q: Sequence[Any], box: Sequence[Sequence[Any]]) -> bool:
@@ -114,23 +121,26 @@ def _meets(p: Sequence[Any], q: Sequence[Any], box: Sequence[Sequence[Any]]) -> 
 
 
 def rrt_connect(family: Family, boxes: Array) -> Array | None:
-    """OMPL's RRTConnect: two random trees that grow towards each other."""
+    """Plan with OMPL's RRTConnect: two random trees that grow towards each other."""
     return _ompl_path(family, boxes, "RRTConnect")
 
 
 def rrt_star(family: Family, boxes: Array) -> Array | None:
-    """OMPL's RRT*, stopped at its first solution."""
+    """Plan with OMPL's RRT*, stopped at its first solution."""
     return _ompl_path(family, boxes, "RRTstar")
 
 
 def _ompl_path(family: Family, boxes: Array, planner_name: str) -> Array | None:
-    base, geometric, util, motion_validator = _ompl()
-    util.RNG.setSeed(SEED)
+    """Plan with a planner of OMPL from the start's centre to the target, with an exact check of motions. Returns points, or
+    None."""
+    ompl = _ompl()
+    base = ompl.base
+    ompl.util.RNG.setSeed(OMPL_SEED)
     axes = range(family.dimension)
     space = base.RealVectorStateSpace(family.dimension)
     space.setBounds(0.0, family.side)
     info = base.SpaceInformation(space)
-    motions = motion_validator(info)
+    motions = ompl.motion_validator(info)
     motions.boxes = [[(low - MARGIN, high + MARGIN) for low, high in box] for box in boxes.tolist()]
     info.setStateValidityChecker(lambda state: motions.checkMotion(state, state))
     info.setMotionValidator(motions)
@@ -143,75 +153,89 @@ def _ompl_path(family: Family, boxes: Array, planner_name: str) -> Array | None:
     length = base.PathLengthOptimizationObjective(info)
     length.setCostThreshold(length.infiniteCost())  # any path is short enough
     problem.setOptimizationObjective(length)
-    planner = getattr(geometric, planner_name)(info)
+    planner = getattr(ompl.geometric, planner_name)(info)
     planner.setProblemDefinition(problem)
     planner.setup()
-    planner.solve(GIVE_UP)
+    planner.solve(PLANNER_SECONDS)
     if not problem.hasExactSolution():
         return None
     return np.array([[state[i] for i in axes] for state in problem.getSolutionPath().getStates()])
 
 
+class _Ompl(NamedTuple):
+    """Modules of OMPL, and a class of exact validators of motions."""
+
+    base: Any
+    geometric: Any
+    util: Any
+    motion_validator: Any
+
+
 @cache
-def _ompl() -> tuple[Any, Any, Any, Any]:
+def _ompl() -> _Ompl:
+    """Import OMPL and define the class of validators. Raises `MissingTool`."""
     base, geometric, util = need("ompl.base"), need("ompl.geometric"), need("ompl.util")
-    util.setLogLevel(util.LogLevel.LOG_NONE)  # it warns that a second seed leaves older planners as they were
+    util.setLogLevel(util.LogLevel.LOG_NONE)  # else it warns that a second seed does not change older planners
 
     def check_motion(self: Any, first: Any, last: Any) -> bool:
         axes = range(len(self.boxes[0]))
         p, q = [first[i] for i in axes], [last[i] for i in axes]
         return not any(_meets(p, q, box) for box in self.boxes)
 
-    return base, geometric, util, type("Motions", (base.MotionValidator,), {"checkMotion": check_motion})
+    return _Ompl(base, geometric, util, type("Motions", (base.MotionValidator,), {"checkMotion": check_motion}))
 
 
 def a_star(family: Family, boxes: Array) -> Array | None:
-    """pyastar2d's A* over grid points. Raises `BadInput` beyond the plane."""
-    return grid_way(family, boxes, len(_axis(family)) - 1)
+    """Plan with pyastar2d's A* over grid points. Raises `BadInput` beyond the plane."""
+    return grid_way(family, boxes, len(_grid_points(family)) - 1)
 
 
-def symbolic(abstraction: Abstraction, family: Family, seed: int) -> Outcome:
-    """Success: from every state of the start's box, in the target within 9 s whatever the wind."""
-    made = synthesize(family, cubes(family, seed), abstraction)
-    return Outcome(made.wins, made.seconds)
+def try_grid(abstraction: Abstraction, family: Family, seed: int) -> PeerOutcome:
+    """Synthesize a controller over a grid. Success: from every state of the start's box it is in the target within 9 s, whatever
+    the wind."""
+    controller = synthesize(family, cubes(family, seed), abstraction)
+    return PeerOutcome(controller.is_winning, controller.seconds)
 
 
-def learned(path: Path, family: Family, seed: int) -> Outcome:
-    """Success: all of ten runs, under the winds of `python -m benchmarks loop`, arrive and meet nothing; seconds are for a
-    decision."""
-    runs, seconds = drive(load_policy(path), family, seed)
-    return Outcome(all(r.good for r in runs), seconds, runs=runs)
+def try_policy(path: Path, family: Family, seed: int) -> PeerOutcome:
+    """Run a trained policy. Success: all of ten runs, under the winds of `python -m benchmarks loop`, arrive and meet nothing.
+    seconds: of a decision."""
+    runs, seconds = run_policy(load_policy(path), family, seed)
+    return PeerOutcome(all(r.good for r in runs), seconds, runs=runs)
 
 
-def _axis(family: Family) -> Array:
-    """The coordinates of the grid points along one axis."""
+def _grid_points(family: Family) -> Array:
+    """Return the coordinates of the grid points along one axis. Raises `BadInput` beyond the plane."""
     if family.dimension != 2:
         raise BadInput(f"family {family.name}: has {family.dimension} dimensions; this peer runs on arenas of 2")
     return np.linspace(0.0, family.side, CELLS + 1)
 
 
-def reach_avoid_tube(family: Family, seed: int) -> Outcome:
-    """Success: the value at the start's centre says that xdot = u, |u_i| <= SPEED, can reach the target within 9 s."""
-    axis, solve, boxes = _axis(family), _reach_avoid_solver(family), cubes(family, seed)
+def reach_avoid_tube(family: Family, seed: int) -> PeerOutcome:
+    """Solve the reach-avoid problem of an arena. Success: the value at the start's centre says that xdot = u, |u_i| <= SPEED, can
+    reach the target within 9 s."""
+    axis, solve, boxes = _grid_points(family), _reach_avoid_solver(family), cubes(family, seed)
     begin = time.perf_counter()
     states = np.stack(np.meshgrid(axis, axis, indexing="ij"), axis=-1)
 
-    def outside(box: Array) -> Any:  # how far, in the largest component; negative inside
+    def distance_to(box: Array) -> Any:
+        """Return distances of all states to a box in the largest component, negative inside."""
         return np.max(np.maximum(box[:, 0] - states, states - box[:, 1]), axis=-1)
 
-    target, space = (outside(np.array([[low, family.side]] * 2)) for low in (family.side - BOX, 0.0))
-    avoid = np.max([space, *(-outside(box) for box in boxes)], axis=0)
+    target, space = (distance_to(np.array([[low, family.side]] * 2)) for low in (family.side - BOX, 0.0))
+    avoid = np.max([space, *(-distance_to(box) for box in boxes)], axis=0)
     value = np.asarray(solve(target, avoid))
     seconds = time.perf_counter() - begin
     centre = int(np.argmin(abs(axis - BOX / 2)))
-    return Outcome(bool(value[centre, centre] < 0), seconds)
+    return PeerOutcome(bool(value[centre, centre] < 0), seconds)
 
 
 @cache
 def _reach_avoid_solver(family: Family) -> Callable[[Array, Array], Any]:
-    """(target, avoid) on the grid -> value, compiled once: both fields are arguments, not constants of the compiled code."""
+    """Return a function of two fields on the grid, target and avoid, that gives the value. It is compiled once for all arenas of
+    a family, since both fields are its arguments."""
     for setting in ("JAX_PLATFORMS=cpu", "NPROC=1", "XLA_FLAGS=--xla_cpu_multi_thread_eigen=false"):
-        os.environ.setdefault(*setting.split("=", 1))  # one thread; read when the package is first imported
+        os.environ.setdefault(*setting.split("=", 1))  # for one thread; jax reads them when it is first imported
     hj, jax, jnp = need("hj_reachability"), need("jax"), need("jax.numpy")
     equations = {
         "open_loop_dynamics": lambda *_: jnp.zeros(2),
@@ -233,11 +257,12 @@ def _reach_avoid_solver(family: Family) -> Callable[[Array, Array], Any]:
     return compiled
 
 
-def barrier_filter(family: Family, seed: int) -> Outcome:
-    """Success: the filtered go-to-goal law ends in the target after 9 s and no step lies in a box; seconds are for a step."""
-    loop = closed_loops(family, seed)["cbf"]
+def barrier_filter(family: Family, seed: int) -> PeerOutcome:
+    """Run the barrier filter. Success: the filtered go-to-goal law ends in the target after 9 s and no step lies in a box.
+    seconds: of a step."""
+    loop = run_closed_loops(family, seed)["cbf"]
     note = "collides" if loop.collided else "" if loop.reached else "not at the target in time"
-    return Outcome(not note, loop.seconds, note)
+    return PeerOutcome(not note, loop.step_seconds, note)
 
 
 PEERS = (
@@ -245,22 +270,22 @@ PEERS = (
         "OMPL RRTConnect",
         "a path from the start's centre to the target's, obstacles grown by 2 cm",
         "the path misses every obstacle; where a path of some width exists, one is found with probability 1 in the long run",
-        "no time, no tube, no controller: what follows the path must be designed and proved apart; never says that there is none",
-        partial(plan, rrt_connect),
+        "no time, no tube, no controller: what follows the path must be designed and proved apart; never says that none exists",
+        partial(try_path_planner, rrt_connect),
     ),
     Peer(
         "OMPL RRT*, first solution",
         "a path from the start's centre to the target, obstacles grown by 2 cm",
         "as RRTConnect; left to run, its path tends to the shortest",
         "as RRTConnect; stopped at the first solution, the path is not short",
-        partial(plan, rrt_star),
+        partial(try_path_planner, rrt_star),
     ),
     Peer(
         "A* (pyastar2d), 101 x 101",
         "a path over grid points, obstacles grown by half a cell",
         "the path misses every obstacle and has the fewest steps on this grid; says when this grid has none",
         "no time, no tube, no controller; passages narrower than two cells may be missed; the grid grows exponentially",
-        partial(plan, a_star),
+        partial(try_path_planner, a_star),
     ),
     Peer(
         "hj-reachability, 101 x 101",
@@ -268,7 +293,7 @@ PEERS = (
         "a feedback for every state at once; the values tend to the true ones as the grid is refined",
         "no bound on the error of this grid; needs the model; a table of 10,201 values a time for the robot; exponential growth",
         reach_avoid_tube,
-        sample=100,
+        arena_limit=100,
     ),
     Peer(
         "barrier filter (OSQP's generated C)",
@@ -276,58 +301,59 @@ PEERS = (
         "safe in continuous time while the program has a solution and xdot = u is the true model",
         "no promise to arrive, let alone in time: it may stand still in a corner for ever; an iterative solver in every step",
         barrier_filter,
-        sample=100,
-        per="step",
+        arena_limit=100,
+        timed="step",
     ),
     Peer(
         "Drake GcsTrajectoryOptimization (Clarabel)",
         "a curve of pieces of order 5, twice differentiable, through free boxes, obstacles grown by 2 cm",
         "its curve misses every obstacle at all times; a bound on how far it is from the shortest; rounding may fail",
         "no tube, no controller, no wind, and no time prescribed over all of the way",
-        partial(curve, drake),
-        sample=100,
+        partial(try_curve_planner, drake),
+        arena_limit=100,
     ),
     Peer(
         "fastpathplanning (Clarabel)",
         "a curve of pieces of order 5 in 9 s, least squared acceleration, through free boxes, obstacles grown by 2 cm",
         "its curve misses every obstacle at all times, and takes the time that is prescribed; says where there is none",
         "no tube, no controller, no wind; the nearest neighbour of what is designed here",
-        partial(curve, fast_path),
-        sample=100,
+        partial(try_curve_planner, fast_path),
+        arena_limit=100,
     ),
     *(
         Peer(
             f"symbolic control, {name}",
-            "a feedback for the room, |u_i| <= 1.5, |w_i| <= 0.3; success: the whole start's box is in the target in 9 s",
-            SAMPLED if not GRIDS[name].swept else SAMPLED.replace("at its samples", "at all times"),
+            "a feedback for the state space, |u_i| <= 1.5, |w_i| <= 0.3; success: the whole start's box is in the target in 9 s",
+            GRID_GUARANTEE if not GRIDS[name].is_swept else GRID_GUARANTEE.replace("at its samples", "at all times"),
             "needs the model; grows exponentially with the dimension; misses passages of about two reachable boxes",
-            partial(symbolic, GRIDS[name]),
-            sample=50 if name.startswith("200") else None,
+            partial(try_grid, GRIDS[name]),
+            arena_limit=50 if name.startswith("200") else None,
         )
         for name in GRIDS
     ),
     Peer(
         "symbolic control, the robot of three states, 100 x 100 x 72",
         "the same for equation (14), |v_i| <= 2, at every heading",
-        SAMPLED.replace("xdot = u + w", "(14)"),
+        GRID_GUARANTEE.replace("xdot = u + w", "(14)"),
         "as above",
-        partial(symbolic, ROBOT),
-        sample=4,
+        partial(try_grid, ROBOT),
+        arena_limit=4,
     ),
 )
 
 
-def _policy(path: Path) -> Peer:
+def _policy_peer(path: Path) -> Peer:
+    """Return the peer of a trained policy."""
     return Peer(
         f"reinforcement learning (PPO), seed {path.stem.removeprefix('policy_')}",
         "all of ten runs in the target at 9 s, no obstacle met, |u_i| <= 1, winds of at most 0.3; one policy for all arenas",
         "none",
-        "whoever wants to know must try; trained for long on what it will meet",
-        partial(learned, path),
-        per="step",
+        "only runs show whether it works; trained for long on the arenas and winds that it will meet",
+        partial(try_policy, path),
+        timed="step",
     )
 
 
 def all_peers(policies: Path = POLICIES) -> tuple[Peer, ...]:
-    """PEERS, and a row for every policy that has been trained."""
-    return (*PEERS, *map(_policy, sorted(policies.glob("policy_*.npz"))))
+    """Return PEERS, and one for every trained policy in the folder."""
+    return (*PEERS, *map(_policy_peer, sorted(policies.glob("policy_*.npz"))))

@@ -1,8 +1,8 @@
-"""Who else drives in `python -m benchmarks loop --peers`: each in the same arenas, from the same starts, under the same winds as
+"""The peers of `python -m benchmarks loop --peers`: each drives in the same arenas, from the same starts, under the same winds as
 ours.
 
-A contender is made for an arena, with our loop there at hand: its sets judge, and by its tube "outward" winds are blown.
-What each guarantees, and what it does better than ours, stands beside it.
+A contender is prepared for an arena in which our loop already runs: the sets of our loop decide about collisions, and "outward"
+winds blow towards the nearer edge of our tube. CONTENDERS states what each guarantees, and what it does better than ours.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from benchmarks.peers.barrier import filter_library
-from benchmarks.peers.driven import held, seconds_a_step
+from benchmarks.peers.driven import compile_peer, seconds_a_step
 from benchmarks.peers.funnels import funnel
 from benchmarks.peers.policy import HERTZ, Policy, load_policy
 from benchmarks.peers.predictive import predictive
@@ -32,15 +33,21 @@ from stt_codegen.plants import PLANTS
 
 FAMILY = FAMILIES["paper"]
 POLICIES = Path("build/policies")  # where `make policies` puts them
-W_MAX = 0.3  # of the winds that a policy is tried under
-FEW = 100  # arenas of those that take long
+W_MAX = 0.3  # of the winds in `run_policy`
+SLOW_PEER_ARENAS = 100  # for contenders that take long
 DISTURBANCES = ("none", "constant", "constant", "sinusoidal", "sinusoidal", "random", "nearest", "nearest", "outward", "outward")
-Ready = tuple[Loop, Sequence[Scenario]]
+
+
+class PreparedLoop(NamedTuple):
+    """A contender's loop in an arena, and the runs it shall make."""
+
+    loop: Loop
+    scenarios: Sequence[Scenario]
 
 
 @dataclass(frozen=True)
-class Ground:
-    """An arena with our loop in it, and the runs that are asked for."""
+class LoopArena:
+    """An arena by its seed, with our loop in it, and the runs that every contender makes under winds of at most w_max."""
 
     seed: int
     w_max: float
@@ -49,59 +56,65 @@ class Ground:
 
     @property
     def squares(self) -> Array:
+        """The unsafe squares, (count, 2, 2)."""
         return cubes(FAMILY, self.seed)
 
     @property
     def tube(self) -> Callable[..., object]:
-        """`loop_own_tube` of ours."""
-        found: Callable[..., object] = self.loop.loaded.tube
-        return found
+        """`loop_own_tube` of our loop, by whose edges margins are measured."""
+        edges: Callable[..., object] = self.loop.loaded.tube
+        return edges
 
-    def with_step(self, other: LoadedController | None) -> Ready | None:
-        return None if other is None else (Loop(self.loop.controller, self.loop.plant, other), self.scenarios)
+    def prepare(self, controller: LoadedController | None) -> PreparedLoop | None:
+        """Put a controller in the place of ours; None without one."""
+        if controller is None:
+            return None
+        return PreparedLoop(Loop(self.loop.controller, self.loop.plant, controller), self.scenarios)
 
 
 @dataclass(frozen=True)
 class Contender:
-    """make: None where it finds nothing to drive by in an arena. first: it is run in so many arenas; tube: margins are its own;
-    period: seconds between its decisions, of one that holds its input longer than a sample."""
+    """A peer that drives. prepare: returns None where it has no controller for an arena.
+
+    advantages: what it does better than ours; arena_limit: at most so many arenas, since it is slow; has_tube: whether margins
+    are of its tube, not of ours; period: seconds between its decisions."""
 
     name: str
-    make: Callable[[Ground], Ready | None]
+    prepare: Callable[[LoopArena], PreparedLoop | None]
     guarantees: str
-    better: str
-    first: int | None = None
-    tube: bool = False
+    advantages: str
+    arena_limit: int | None = None
+    has_tube: bool = False
     period: float = 1 / HERTZ
 
 
-# ------------------------------------------------------------------------------------------------ how each is made
+# ------------------------------------------------------------------------------------------------ a function for each contender
 
 
-def _barrier(told: bool, ground: Ground) -> Ready | None:
-    library, edges = filter_library(FAMILY.count, FAMILY.dimension, FAMILY.side), np.ascontiguousarray(ground.squares)
-    allowed = ctypes.c_double(ground.w_max if told else 0.0)
-    refill = partial(_refill, library, edges, allowed)
-    return ground.with_step(
-        LoadedController(step=library.filter_next, tube=ground.tube, advance=None, start=refill, library=library)
-    )
+def _prepare_barrier(knows_w_max: bool, arena: LoopArena) -> PreparedLoop | None:
+    library, edges = filter_library(FAMILY.count, FAMILY.dimension, FAMILY.side), np.ascontiguousarray(arena.squares)
+    allowed = ctypes.c_double(arena.w_max if knows_w_max else 0.0)
+    start = partial(_set_boxes, library, edges, allowed)
+    return arena.prepare(LoadedController(step=library.filter_next, tube=arena.tube, advance=None, start=start, library=library))
 
 
-def _refill(library: ctypes.CDLL, edges: Array, allowed: ctypes.c_double) -> None:
+def _set_boxes(library: ctypes.CDLL, edges: Array, allowed: ctypes.c_double) -> None:
+    """Write the arena's boxes, and the |w| that the filter allows for, into the filter's library."""
     library.filter_boxes(ctypes.c_void_p(edges.ctypes.data), allowed)
 
 
-def _tube(design: str, ground: Ground, *, uncertified: bool = False) -> Ready | None:
-    """Another design of the same task with our gain, from starts as near to the same as its own gamma(0) allows."""
-    task = ground.loop.controller.task.with_options(design)
+def _prepare_tube(design: str, arena: LoopArena, *, uncertified: bool = False) -> PreparedLoop | None:
+    """Prepare another design of the same task with our gain, from the starts nearest to ours that are inside its gamma(0)."""
+    task = arena.loop.controller.task.with_options(design)
     try:
-        loop = Loop(build_task(task, uncertified=uncertified), ground.loop.plant)
+        loop = Loop(build_task(task, uncertified=uncertified), arena.loop.plant)
     except NotCertified:
         return None
-    return loop, [_moved(s, loop.controller) for s in ground.scenarios]
+    return PreparedLoop(loop, [_with_start_inside(s, loop.controller) for s in arena.scenarios])
 
 
-def _moved(scenario: Scenario, controller: EmittedController) -> Scenario:
+def _with_start_inside(scenario: Scenario, controller: EmittedController) -> Scenario:
+    """Move the start of a run into gamma(0) of a controller, 5 % of the width away from its edges."""
     if scenario.start is None:
         return scenario
     inside = [
@@ -111,35 +124,37 @@ def _moved(scenario: Scenario, controller: EmittedController) -> Scenario:
     return replace(scenario, start=tuple(inside))
 
 
-def _funnel(ground: Ground) -> Ready | None:
-    return ground.with_step(funnel(FAMILY, ground.squares, ground.tube))
+def _prepare_funnel(arena: LoopArena) -> PreparedLoop | None:
+    return arena.prepare(funnel(FAMILY, arena.squares, arena.tube))
 
 
-def _predictive(with_tube: bool, ground: Ground) -> Ready | None:
-    return ground.with_step(predictive(FAMILY, ground.squares, ground.tube, with_tube))
+def _prepare_predictive(with_tube: bool, arena: LoopArena) -> PreparedLoop | None:
+    return arena.prepare(predictive(FAMILY, arena.squares, arena.tube, with_tube))
 
 
-def _grid(abstraction: Abstraction, ground: Ground) -> Ready | None:
-    made = synthesize(FAMILY, ground.squares, abstraction)
-    return ground.with_step(held(made.source(), 2, float(1 / abstraction.period), ground.tube)) if made.wins else None
+def _prepare_grid(abstraction: Abstraction, arena: LoopArena) -> PreparedLoop | None:
+    controller = synthesize(FAMILY, arena.squares, abstraction)
+    if not controller.is_winning:
+        return None
+    return arena.prepare(compile_peer(controller.source(), 2, float(1 / abstraction.period), arena.tube))
 
 
-def _policy(path: Path, ground: Ground) -> Ready | None:
-    return ground.with_step(held(_loaded(path).source(ground.squares), 2, HERTZ, ground.tube))
+def _prepare_policy(path: Path, arena: LoopArena) -> PreparedLoop | None:
+    return arena.prepare(compile_peer(_cached_policy(path).source(arena.squares), 2, HERTZ, arena.tube))
 
 
 @cache
-def _loaded(path: Path) -> Policy:
+def _cached_policy(path: Path) -> Policy:
     return load_policy(path)
 
 
-def drive(policy: Policy, family: Family, seed: int) -> tuple[tuple[Run, ...], float]:
-    """A policy alone in an arena, certified or not: ten runs from the whole initial set, and seconds a decision."""
+def run_policy(policy: Policy, family: Family, seed: int) -> tuple[tuple[Run, ...], float]:
+    """Run a policy alone in an arena, certified or not: ten runs from the initial set, and seconds a decision."""
     task = arena_task(family, seed).with_options("literal")
-    frame = build_task(task, uncertified=True)  # for its sets; "outward" is from its tube's middle
+    controller = build_task(task, uncertified=True)  # gives the sets, and the tube from whose middle "outward" winds blow
     plant = with_disturbance_bound(PLANTS["integrator"], W_MAX)
-    edges = load_controller(frame).tube
-    loop = Loop(frame, plant, held(policy.source(cubes(family, seed)), 2, HERTZ, edges))
+    edges = load_controller(controller).tube
+    loop = Loop(controller, plant, compile_peer(policy.source(cubes(family, seed)), 2, HERTZ, edges))
     box = [(Fraction(0), Fraction(BOX))] * 2
     runs = [
         loop.run(
@@ -154,63 +169,69 @@ def drive(policy: Policy, family: Family, seed: int) -> tuple[tuple[Run, ...], f
     return tuple(runs), seconds_a_step(loop.loaded, rows)
 
 
-# ------------------------------------------------------------------------------------------------ who
+# ------------------------------------------------------------------------------------------------ the contenders
 
 
 def _speeds(*values: str) -> tuple[Fraction, ...]:
     return tuple(map(Fraction, values))
 
 
-SEVEN = _speeds("-3/2", "-1", "-1/2", "0", "1/2", "1", "3/2")
-THREE = _speeds("-3/2", "0", "3/2")
+SEVEN_SPEEDS = _speeds("-3/2", "-1", "-1/2", "0", "1/2", "1", "3/2")
+THREE_SPEEDS = _speeds("-3/2", "0", "3/2")
 GRIDS = {
-    "50 x 50": Abstraction(50, Fraction(1, 4), SEVEN),
-    "100 x 100": Abstraction(100, Fraction(1, 8), THREE),
-    "200 x 200": Abstraction(200, Fraction(1, 16), THREE),
-    "100 x 100, swept": Abstraction(100, Fraction(1, 8), THREE, swept=True),
+    "50 x 50": Abstraction(50, Fraction(1, 4), SEVEN_SPEEDS),
+    "100 x 100": Abstraction(100, Fraction(1, 8), THREE_SPEEDS),
+    "200 x 200": Abstraction(200, Fraction(1, 16), THREE_SPEEDS),
+    "100 x 100, swept": Abstraction(100, Fraction(1, 8), THREE_SPEEDS, is_swept=True),
 }
 ROBOT = Abstraction(100, Fraction(1, 5), _speeds("-2", "-1", "-1/2", "0", "1/2", "1", "2"), headings=72)
 
-FILTERED = "safe in continuous time while its program has a solution and the model is true; arrives by no promise"
-SAMPLED = "in the target in time and off the unsafe sets at its samples, for every |w_i| <= 0.3, if xdot = u + w is true"
+FILTER_GUARANTEE = "safe in continuous time while its program has a solution and the model is true; no promise to arrive"
+GRID_GUARANTEE = (
+    "in the target in time and outside the unsafe sets at its samples, for every |w_i| <= 0.3, if xdot = u + w is true"
+)
 CONTENDERS = (
     Contender(
-        "barrier filter", partial(_barrier, False), FILTERED,
-        "takes any controller, keeps sets that are told only at run time, needs no design, minds a limit of u in its program",
+        "barrier filter", partial(_prepare_barrier, False), FILTER_GUARANTEE,
+        "takes any controller, avoids sets that are known only at run time, needs no design, has a limit of u in its program",
     ),
     Contender(
-        "barrier filter told w_max", partial(_barrier, True), FILTERED + ", with |w| <= w_max",
+        "barrier filter told w_max", partial(_prepare_barrier, True), FILTER_GUARANTEE + ", with |w| <= w_max",
         "as above",
     ),
     Contender(
-        "literal tube (the paper's)", partial(_tube, "literal", uncertified=True),
+        "literal tube (the paper's)", partial(_prepare_tube, "literal", uncertified=True),
         "the paper's Theorem, whose printed rule meets unsafe sets",
-        "its design is a formula: no search, no program", tube=True,
+        "its design is a formula: no search, no program", has_tube=True,
     ),
     Contender(
-        "adaptive tube (the paper's functions, mended; alpha as in [16])", partial(_tube, "adaptive"),
+        "adaptive tube (the paper's functions, mended; alpha as in [16])", partial(_prepare_tube, "adaptive"),
         "ours, for every dt of alpha_step from DT_SHORTEST to DT_LONGEST",
-        "closed form in t and alpha: no table", FEW, True,
+        "closed form in t and alpha: no table",
+        arena_limit=SLOW_PEER_ARENAS, has_tube=True,
     ),
     Contender(
-        "prescribed performance about an A* way [11, 12]", _funnel,
-        "|x_i - x_d,i| < rho(t) for unknown f and g in continuous time; that the funnel meets no unsafe set is the way's affair",
-        "a way is all it needs: no linear program, no table but the way's turns; bounds on how fast an error decays",
+        "prescribed performance about an A* way [11, 12]", _prepare_funnel,
+        "|x_i - x_d,i| < rho(t) for unknown f and g in continuous time; the way must keep the funnel out of unsafe sets",
+        "needs only a way: no linear program, no table but the way's turns; bounds on how fast an error decays",
     ),
     Contender(
-        "predictive control, our tube as reference", partial(_predictive, True),
-        "none with slacks: OSQP promises a minimum of its program, of a model",
-        "minds limits of u, and takes the least effort", FEW,
+        "predictive control, our tube as reference", partial(_prepare_predictive, True),
+        "none with slacks: OSQP promises a minimum of its program, which is about a model",
+        "has limits of u in its program, and takes the least effort",
+        arena_limit=SLOW_PEER_ARENAS,
     ),
     Contender(
-        "predictive control, to the goal", partial(_predictive, False),
-        "none: the program is a convex guess of one that is not", "needs no design, takes sets that are told at run time", FEW,
+        "predictive control, to the goal", partial(_prepare_predictive, False),
+        "none: the program is a convex guess of one that is not", "needs no design, takes sets that are known at run time",
+        arena_limit=SLOW_PEER_ARENAS,
     ),
     *(
         Contender(
-            f"symbolic control, {name}", partial(_grid, GRIDS[name]),
-            SAMPLED if not GRIDS[name].swept else SAMPLED.replace("at its samples", "at all times"),
-            "a feedback from every state that has one, not from a tube; any input set; says when its grid has none", FEW,
+            f"symbolic control, {name}", partial(_prepare_grid, GRIDS[name]),
+            GRID_GUARANTEE if not GRIDS[name].is_swept else GRID_GUARANTEE.replace("at its samples", "at all times"),
+            "a feedback from every state that has one, not from a tube; any input set; says when its grid has none",
+            arena_limit=SLOW_PEER_ARENAS,
             period=float(GRIDS[name].period),
         )
         for name in GRIDS
@@ -218,14 +239,14 @@ CONTENDERS = (
 )  # fmt: skip
 
 
-def contenders(policies: Path = POLICIES) -> tuple[Contender, ...]:
-    """All, with every policy that has been trained."""
-    found = sorted(policies.glob("policy_*.npz"))
+def all_contenders(policies: Path = POLICIES) -> tuple[Contender, ...]:
+    """Return CONTENDERS, and one for every trained policy in the folder."""
+    paths = sorted(policies.glob("policy_*.npz"))
     learned = (
         Contender(
-            f"reinforcement learning (PPO), seed {path.stem.removeprefix('policy_')}", partial(_policy, path), "none",
+            f"reinforcement learning (PPO), seed {path.stem.removeprefix('policy_')}", partial(_prepare_policy, path), "none",
             "one policy for all arenas: nothing is designed for a new one; takes any sensor and any reward",
         )
-        for path in found
+        for path in paths
     )  # fmt: skip
     return (*CONTENDERS, *learned)

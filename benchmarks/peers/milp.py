@@ -1,8 +1,9 @@
 """The mixed-integer programs that stlpy makes of a formula (Kurtz and Lin, 2022), solved by HiGHS: the peer of `python -m
 benchmarks missions`.
 
-A double integrator with |u| <= 0.5 at samples a second apart, a row for each predicate with a big M, and for "or" either a binary
-for each predicate (standard) or a logarithmic number of binaries (sos1). It says nothing of what is between the samples.
+They have a double integrator with |u| <= 0.5 at samples a second apart, a row for each predicate with a big M, and for "or"
+either a binary for each predicate (standard) or a logarithmic number of binaries (sos1). Between the samples they require
+nothing; `share_violated_between_samples` measures the result.
 """
 
 from __future__ import annotations
@@ -20,30 +21,35 @@ from stt_codegen.task.mission.regions import StateFormula
 from stt_codegen.task.sets.shapes import UnsafeSet
 from stt_codegen.task.task import Task
 
-BIG, INPUT, SPEED = 100.0, 0.5, 2.0
-Terms = list[tuple[int, float]]
+BIG_M = 100.0  # metres, more than any distance to a side of a box
+INPUT_LIMIT = 0.5
+SPEED_LIMIT = 2.0
+Terms = list[tuple[int, float]]  # columns and their coefficients in a row
 
 
 @dataclass
 class MixedProgram:
-    """Rows and columns, as they come."""
+    """A mixed-integer linear program without a cost, in the order in which columns and rows are added. rows: terms, lower and
+    upper bound."""
 
     lower: list[float] = field(default_factory=list)
     upper: list[float] = field(default_factory=list)
-    whole: list[bool] = field(default_factory=list)
+    is_integer: list[bool] = field(default_factory=list)
     rows: list[tuple[Terms, float, float]] = field(default_factory=list)
 
-    def column(self, lower: float, upper: float, whole: bool = False) -> int:
+    def add_column(self, lower: float, upper: float, is_integer: bool = False) -> int:
+        """Add a variable, and return its number."""
         self.lower.append(lower)
         self.upper.append(upper)
-        self.whole.append(whole)
+        self.is_integer.append(is_integer)
         return len(self.lower) - 1
 
-    def row(self, terms: Terms, lower: float, upper: float) -> None:
+    def add_row(self, terms: Terms, lower: float, upper: float) -> None:
         self.rows.append((terms, lower, upper))
 
     def solve(self, seconds: float) -> tuple[str, float, Array | None]:
-        """What became of it, in how many seconds, and the columns where there is a solution."""
+        """Return "solved", "none" (infeasible) or "limit", the seconds that HiGHS took, and the values of the columns if
+        solved."""
         model = highspy.HighsLp()
         model.num_col_, model.num_row_ = len(self.lower), len(self.rows)
         model.col_cost_ = np.zeros(len(self.lower))
@@ -54,142 +60,155 @@ class MixedProgram:
         model.a_matrix_.index_ = np.array([c for r in self.rows for c, _ in r[0]], dtype=np.int32)
         model.a_matrix_.value_ = np.array([v for r in self.rows for _, v in r[0]])
         kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
-        model.integrality_ = [kinds[w] for w in self.whole]
+        model.integrality_ = [kinds[w] for w in self.is_integer]
         solver = highspy.Highs()  # type: ignore[no-untyped-call]
         for option, value in {"output_flag": False, "threads": 1, "time_limit": seconds}.items():
             solver.setOptionValue(option, value)
         solver.passModel(model)
         begin = time.perf_counter()
         solver.run()
-        took = time.perf_counter() - begin
+        duration = time.perf_counter() - begin
         status = solver.getModelStatus()
         if status == highspy.HighsModelStatus.kOptimal:
-            return "solved", took, np.array(solver.getSolution().col_value)
-        return ("none" if status == highspy.HighsModelStatus.kInfeasible else "limit"), took, None
+            return "solved", duration, np.array(solver.getSolution().col_value)
+        return ("none" if status == highspy.HighsModelStatus.kInfeasible else "limit"), duration, None
 
 
-class Encoding:
-    """A formula of boxes at samples."""
+class MissionProgram:
+    """The program of a task and its mission. A formula is required at a sample where its activity, a column, is 1."""
 
     def __init__(self, task: Task, logarithmic: bool) -> None:
         self.task, self.logarithmic, self.program = task, logarithmic, MixedProgram()
         self.last = int(task.prescribed_time)
-        n, space = task.dimension, task.state_space
-        add = self.program.column
-        self.place = [[add(float(space.lower[i]), float(space.upper[i])) for i in range(n)] for _ in range(self.last + 1)]
-        speed = [[add(-SPEED, SPEED) for _ in range(n)] for _ in range(self.last + 1)]
-        push = [[add(-INPUT, INPUT) for _ in range(n)] for _ in range(self.last)]
-        for i, x in enumerate(task.initial_state):
-            self.program.row([(self.place[0][i], 1.0)], float(x), float(x))
-            self.program.row([(speed[0][i], 1.0)], 0.0, 0.0)
-            for k in range(self.last):
-                here, there = self.place[k][i], self.place[k + 1][i]
-                self.program.row([(there, 1.0), (here, -1.0), (speed[k][i], -1.0)], 0.0, 0.0)
-                self.program.row([(speed[k + 1][i], 1.0), (speed[k][i], -1.0), (push[k][i], -1.0)], 0.0, 0.0)
+        space, samples = task.state_space, range(self.last + 1)
+        add = self.program.add_column
+        self.positions = [[add(float(a), float(b)) for a, b in zip(space.lower, space.upper, strict=True)] for _ in samples]
+        self._add_dynamics()
         for unsafe in task.unsafe:
             assert isinstance(unsafe, UnsafeSet)
-            for k in range(self.last + 1):
-                self.outside(k, unsafe, add(1.0, 1.0))
+            for k in samples:
+                self.require_outside(k, unsafe, add(1.0, 1.0))
         assert task.formula is not None
-        self.add(task.formula, 0, add(1.0, 1.0))
+        self.require(task.formula, 0, add(1.0, 1.0))
 
-    def add(self, formula: Formula, at: int, on: int) -> None:
-        """That the formula holds at a sample where the column `on` is 1."""
+    def _add_dynamics(self) -> None:
+        """Add speeds, inputs and the rows of the double integrator, from rest at the initial state."""
+        program, n = self.program, self.task.dimension
+        speed = [[program.add_column(-SPEED_LIMIT, SPEED_LIMIT) for _ in range(n)] for _ in range(self.last + 1)]
+        u = [[program.add_column(-INPUT_LIMIT, INPUT_LIMIT) for _ in range(n)] for _ in range(self.last)]
+        for i, x in enumerate(self.task.initial_state):
+            program.add_row([(self.positions[0][i], 1.0)], float(x), float(x))
+            program.add_row([(speed[0][i], 1.0)], 0.0, 0.0)
+            for k in range(self.last):
+                position, next_position = self.positions[k][i], self.positions[k + 1][i]
+                program.add_row([(next_position, 1.0), (position, -1.0), (speed[k][i], -1.0)], 0.0, 0.0)
+                program.add_row([(speed[k + 1][i], 1.0), (speed[k][i], -1.0), (u[k][i], -1.0)], 0.0, 0.0)
+
+    def require(self, formula: Formula, sample: int, activity: int) -> None:
+        """Require that the formula holds at a sample where the activity is 1."""
         match formula:
             case StateFormula(inner):
-                self.add(inner, at, on)
-            case InRegion(region, kept):
+                self.require(inner, sample, activity)
+            case InRegion(region, is_negated):
                 box = self.task.regions[region]
                 assert isinstance(box, UnsafeSet)
-                (self.outside if kept else self.inside)(at, box, on)
+                (self.require_outside if is_negated else self.require_inside)(sample, box, activity)
             case And(parts):
                 for part in parts:
-                    self.add(part, at, on)
+                    self.require(part, sample, activity)
             case Or(parts):
-                self.choice([(part, at) for part in parts], on)
+                self.require_some([(part, sample) for part in parts], activity)
             case Always(over, part):
-                for k in self.samples(at, over):
-                    self.add(part, k, on)
+                for k in self.samples(sample, over):
+                    self.require(part, k, activity)
             case Eventually(over, part):
-                self.choice([(part, k) for k in self.samples(at, over)], on)
+                self.require_some([(part, k) for k in self.samples(sample, over)], activity)
             case Until(over, first, last):
-                self.choice([(last, k) for k in self.samples(at, over)], on, first, at)
+                self.require_some([(last, k) for k in self.samples(sample, over)], activity, first, sample)
 
-    def samples(self, at: int, over: Interval) -> range:
+    def samples(self, sample: int, over: Interval) -> range:
+        """Return the samples of an interval that begins at a sample. Raises ValueError where its ends are not samples."""
         if over.begin.denominator != 1 or (over.end or over.begin).denominator != 1:
             raise ValueError(f"a window {over} that is not of whole seconds has no samples at its ends")
-        end = self.last if over.end is None else min(at + int(over.end), self.last)
-        return range(min(at + int(over.begin), self.last), end + 1)
+        end = self.last if over.end is None else min(sample + int(over.end), self.last)
+        return range(min(sample + int(over.begin), self.last), end + 1)
 
-    def choice(self, parts: list[tuple[Formula, int]], on: int, held: Formula | None = None, since: int = 0) -> None:
-        """At least one of several at their samples; until then `held`."""
-        for (part, at), one in zip(parts, self.chosen(len(parts), on), strict=True):
-            self.add(part, at, one)
-            for k in range(since, at + 1) if held is not None else ():
-                assert held is not None
-                self.add(held, k, one)
+    def require_some(
+        self, parts: list[tuple[Formula, int]], activity: int, before: Formula | None = None, since: int = 0
+    ) -> None:
+        """Require at least one of several formulas, each at its sample; and `before`, if any, at all samples from `since` to that
+        one."""
+        for (part, sample), selected in zip(parts, self.add_selection(len(parts), activity), strict=True):
+            self.require(part, sample, selected)
+            for k in range(since, sample + 1) if before is not None else ():
+                assert before is not None
+                self.require(before, k, selected)
 
-    def chosen(self, count: int, on: int) -> list[int]:
-        """Columns of which one is 1 where `on` is."""
+    def add_selection(self, count: int, activity: int) -> list[int]:
+        """Add columns at least one of which is 1 where the activity is, and return them."""
         program = self.program
         if not self.logarithmic:
-            found = [program.column(0.0, 1.0, True) for _ in range(count)]
-            program.row([*((c, 1.0) for c in found), (on, -1.0)], 0.0, np.inf)
-            return found
-        share = [program.column(0.0, 1.0) for _ in range(count + 1)]  # the first: none of them
-        program.row([(c, 1.0) for c in share], 1.0, 1.0)
-        program.row([(share[0], 1.0), (on, 1.0)], 1.0, 1.0)
+            columns = [program.add_column(0.0, 1.0, True) for _ in range(count)]
+            program.add_row([*((c, 1.0) for c in columns), (activity, -1.0)], 0.0, np.inf)
+            return columns
+        share = [program.add_column(0.0, 1.0) for _ in range(count + 1)]  # the first one stands for no selection
+        program.add_row([(c, 1.0) for c in share], 1.0, 1.0)
+        program.add_row([(share[0], 1.0), (activity, 1.0)], 1.0, 1.0)
         gray = [k ^ (k >> 1) for k in range(count + 1)]
         for bit in range(max(1, math.ceil(math.log2(count + 1)))):
-            side = program.column(0.0, 1.0, True)
-            program.row([*((share[k], 1.0) for k in range(count + 1) if gray[k] >> bit & 1), (side, -1.0)], -np.inf, 0.0)
-            program.row([*((share[k], 1.0) for k in range(count + 1) if not gray[k] >> bit & 1), (side, 1.0)], -np.inf, 1.0)
+            side = program.add_column(0.0, 1.0, True)
+            with_bit = [(share[k], 1.0) for k in range(count + 1) if gray[k] >> bit & 1]
+            without_bit = [(share[k], 1.0) for k in range(count + 1) if not gray[k] >> bit & 1]
+            program.add_row([*with_bit, (side, -1.0)], -np.inf, 0.0)
+            program.add_row([*without_bit, (side, 1.0)], -np.inf, 1.0)
         return share[1:]
 
-    def inside(self, at: int, box: UnsafeSet, on: int) -> None:
-        for i, (a, b) in enumerate(zip(box.lower, box.upper, strict=True)):
-            self.program.row([(self.place[at][i], 1.0), (on, -BIG)], float(a) - BIG, np.inf)
-            self.program.row([(self.place[at][i], -1.0), (on, -BIG)], -float(b) - BIG, np.inf)
+    def require_inside(self, sample: int, box: UnsafeSet, activity: int) -> None:
+        for x, a, b in zip(self.positions[sample], box.lower, box.upper, strict=True):
+            self.program.add_row([(x, 1.0), (activity, -BIG_M)], float(a) - BIG_M, np.inf)
+            self.program.add_row([(x, -1.0), (activity, -BIG_M)], -float(b) - BIG_M, np.inf)
 
-    def outside(self, at: int, box: UnsafeSet, on: int) -> None:
-        sides = self.chosen(2 * self.task.dimension, on)
-        for i, (a, b) in enumerate(zip(box.lower, box.upper, strict=True)):
-            self.program.row([(self.place[at][i], -1.0), (sides[2 * i], -BIG)], -float(a) - BIG, np.inf)
-            self.program.row([(self.place[at][i], 1.0), (sides[2 * i + 1], -BIG)], float(b) - BIG, np.inf)
+    def require_outside(self, sample: int, box: UnsafeSet, activity: int) -> None:
+        """Require the position to be beyond one side of the box."""
+        sides = self.add_selection(2 * self.task.dimension, activity)
+        for i, (x, a, b) in enumerate(zip(self.positions[sample], box.lower, box.upper, strict=True)):
+            self.program.add_row([(x, -1.0), (sides[2 * i], -BIG_M)], -float(a) - BIG_M, np.inf)
+            self.program.add_row([(x, 1.0), (sides[2 * i + 1], -BIG_M)], float(b) - BIG_M, np.inf)
 
 
 @dataclass(frozen=True)
-class Answer:
-    """What the program says, in how many seconds, and its samples (T + 1, n); None where there are none."""
+class MissionPath:
+    """What the program says ("solved", "none" or "limit"), in how many seconds, and its samples (T + 1, n) if solved."""
 
     status: str
     seconds: float
     path: Array | None
 
 
-def solved(task: Task, logarithmic: bool, seconds: float) -> Answer:
-    """The mission of a task as stlpy would solve it."""
-    encoding = Encoding(task, logarithmic)
-    status, took, columns = encoding.program.solve(seconds)
-    return Answer(status, took, None if columns is None else columns[np.array(encoding.place)])
+def solve_mission(task: Task, logarithmic: bool, seconds: float) -> MissionPath:
+    """Solve the mission of a task as stlpy would, within so many seconds."""
+    mission = MissionProgram(task, logarithmic)
+    status, duration, columns = mission.program.solve(seconds)
+    return MissionPath(status, duration, None if columns is None else columns[np.array(mission.positions)])
 
 
-def between(task: Task, path: Array) -> float:
-    """How much of the time between its samples the path is in an unsafe set, or off all of the boxes that it must always be on:
-    a share."""
+def share_violated_between_samples(task: Task, path: Array) -> float:
+    """Return the share of the time in which the straight path between its samples is in an unsafe set, or outside of all boxes
+    one of which it must always be in."""
     steps = np.linspace(0, 1, 51)[None, :, None]
     points = (path[:-1, None] + steps * (path[1:] - path[:-1])[:, None]).reshape(-1, path.shape[1])
-    bad = np.zeros(len(points), dtype=bool)
+    is_violated = np.zeros(len(points), dtype=bool)
     for unsafe in task.unsafe:
         assert isinstance(unsafe, UnsafeSet)
-        bad |= _in(points, unsafe)
+        is_violated |= _is_in(points, unsafe, growth=-1e-6)
     for formula in task.formulas:
         if isinstance(formula, Always) and isinstance(formula.part, StateFormula) and isinstance(formula.part.inner, Or):
             boxes = [task.regions[p.region] for p in formula.part.inner.parts if isinstance(p, InRegion)]
-            bad |= ~np.any([_in(points, box, 1e-6) for box in boxes if isinstance(box, UnsafeSet)], axis=0)
-    return float(bad.mean())
+            is_violated |= ~np.any([_is_in(points, box, growth=1e-6) for box in boxes if isinstance(box, UnsafeSet)], axis=0)
+    return float(is_violated.mean())
 
 
-def _in(points: Array, box: UnsafeSet, room: float = -1e-6) -> Array:
+def _is_in(points: Array, box: UnsafeSet, growth: float) -> Array:
+    """Whether points are in the open box, grown on all sides; the solver's points are exact to 1e-6 only."""
     low, high = (np.array([float(v) for v in edge]) for edge in (box.lower, box.upper))
-    return np.asarray(((points > low - room) & (points < high + room)).all(axis=1))
+    return np.asarray(((points > low - growth) & (points < high + growth)).all(axis=1))

@@ -1,4 +1,4 @@
-"""Packages that only the peers need."""
+"""Imports of packages that only the peers need, when they are first used."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from stt_codegen.errors import MissingTool
 
 
 def need(module: str) -> Any:
-    """A module of an optional package. Raises `MissingTool`."""
+    """Import a module of an optional package. Raises `MissingTool`."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

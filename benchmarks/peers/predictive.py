@@ -1,13 +1,13 @@
 """Predictive control as a peer: a quadratic program at every step, solved by OSQP's generated C, with our tube and without.
 
-Over STEPS samples, STEP seconds apart, u and slacks s minimize
+Over STEPS samples, STEP_SECONDS apart, u and slacks s minimize
 
-    sum |x_k - r_k|^2 + PUSH |u_k|^2 + SOFT |s_k|^2,
-    x_k = x_0 + STEP sum u,    low_k - s_k <= x_k <= high_k + s_k,    |u_i| <= u_max
+    sum |x_k - r_k|^2 + INPUT_WEIGHT |u_k|^2 + SLACK_WEIGHTS |s_k|^2,
+    x_k = x_0 + STEP_SECONDS sum u,    low_k - s_k <= x_k <= high_k + s_k,    |u_i| <= u_max
 
-with the tube: r_k its middle, low_k and high_k its edges, a tenth of the width inside. Without: r_k the target's middle, and for
-every unsafe square the side that the last plan is farthest beyond is not to be crossed, MARGIN away from it: the usual way
-to make a program convex that is not. Slacks make every program solvable.
+With the tube r_k is its middle, and low_k and high_k are its edges, a tenth of the width inside. Without it r_k is the target's
+middle, and x_k must not cross, for every unsafe square, the side that the last plan is farthest beyond, MARGIN away from it: the
+usual way to make the program convex. Slacks make every program solvable. `in_loops` runs both.
 """
 
 from __future__ import annotations
@@ -19,45 +19,48 @@ from functools import cache
 
 import numpy as np
 
-from benchmarks.peers.driven import held
+from benchmarks.peers.driven import compile_peer
 from benchmarks.peers.quadratic import generated_solver, includes
 from benchmarks.suites.families import BOX, Array, Family
 from stt_codegen.loop.compiled import LoadedController
 from stt_codegen.program.targets.template_files import template
 
-STEPS, STEP = 20, 0.05
-PUSH, MARGIN = 0.01, 0.1
-SOFT = {"tube": 1e2, "goal": 1e3}  # the harder, the more often kept, and the longer to solve
+STEPS = 20
+STEP_SECONDS = 0.05
+INPUT_WEIGHT = 0.01
+MARGIN = 0.1  # from unsafe squares
+SLACK_WEIGHTS = {"tube": 1e2, "goal": 1e3}  # a larger weight keeps the bounds more often, and takes longer to solve
 INSET = 0.1  # of the tube's width
-U_MAX = {"tube": 3.0, "goal": 1.0}  # a tube may ask for more than the way does; quicker to the goal is more often wrong
+U_MAX = {"tube": 3.0, "goal": 1.0}  # a tube may need more than the straight way; with more, the way to the goal is less safe
 
 
-def program(soft: float) -> tuple[Array, Array]:
-    """The program's matrices for both axes: of the cost, (V, V), and of the rows, (R, V). Variables: u by axis, then s."""
-    sums = STEP * np.tril(np.ones((STEPS, STEPS)))
-    one, none = np.eye(STEPS), np.zeros((STEPS, STEPS))
+def program_matrices(slack_weight: float) -> tuple[Array, Array]:
+    """Return the program's matrices for both axes: of the cost, (V, V), and of the rows, (R, V). Variables: u by axis, then s."""
+    sums = STEP_SECONDS * np.tril(np.ones((STEPS, STEPS)))
+    identity, zero = np.eye(STEPS), np.zeros((STEPS, STEPS))
     axes = np.eye(2)
-    cost = np.block([[np.kron(axes, 2 * (sums.T @ sums + PUSH * one)), np.kron(axes, none)],
-                     [np.kron(axes, none), np.kron(axes, 2 * soft * one)]])  # fmt: skip
-    rows = np.block([[np.kron(axes, sums), np.kron(axes, one)], [np.kron(axes, sums), np.kron(axes, -one)],
-                     [np.kron(axes, one), np.kron(axes, none)]])  # fmt: skip
+    cost = np.block([[np.kron(axes, 2 * (sums.T @ sums + INPUT_WEIGHT * identity)), np.kron(axes, zero)],
+                     [np.kron(axes, zero), np.kron(axes, 2 * slack_weight * identity)]])  # fmt: skip
+    rows = np.block([[np.kron(axes, sums), np.kron(axes, identity)], [np.kron(axes, sums), np.kron(axes, -identity)],
+                     [np.kron(axes, identity), np.kron(axes, zero)]])  # fmt: skip
     return cost, rows
 
 
 @cache
-def _generated(soft: float) -> tempfile.TemporaryDirectory[str]:
-    return generated_solver(*program(soft), "vectors", "mpc_", eps_abs=1e-3, eps_rel=1e-3)
+def _generated_solver(slack_weight: float) -> tempfile.TemporaryDirectory[str]:
+    return generated_solver(*program_matrices(slack_weight), "vectors", "mpc_", eps_abs=1e-3, eps_rel=1e-3)
 
 
 def predictive(family: Family, squares: Array, tube: Callable[..., object], with_tube: bool) -> LoadedController:
-    """The controller for the loops. tube: `loop_own_tube` of our controller, whose edges it follows or that margins are told
-    by."""
+    """Compile the controller for the loops. tube: `loop_own_tube` of our controller, whose edges it follows, with_tube, and by
+    which margins are measured."""
     kind = "tube" if with_tube else "goal"
-    folder = _generated(SOFT[kind]).name
+    folder = _generated_solver(SLACK_WEIGHTS[kind]).name
     text = template("bench/mpc.c.j2").render(
-        steps=STEPS, step=STEP, push=PUSH, margin=MARGIN, inset=INSET, with_tube=with_tube, side=family.side,
+        steps=STEPS, step=STEP_SECONDS, push=INPUT_WEIGHT, margin=MARGIN, inset=INSET, with_tube=with_tube, side=family.side,
         u_max=U_MAX[kind], goal=family.side - BOX / 2, boxes=squares.tolist(),
     )  # fmt: skip
-    own = held(text, 2, 1 / STEP, tube, "double", [*includes(folder), f"{folder}/osqp.o"])
-    own.library.use_tube(ctypes.cast(tube, ctypes.c_void_p))  # type: ignore[arg-type]
-    return own
+    arguments = [*includes(folder), f"{folder}/osqp.o"]
+    controller = compile_peer(text, 2, 1 / STEP_SECONDS, tube, real="double", compiler_arguments=arguments)
+    controller.library.use_tube(ctypes.cast(tube, ctypes.c_void_p))  # type: ignore[arg-type]
+    return controller

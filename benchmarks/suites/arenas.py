@@ -303,7 +303,7 @@ def run_peers(count: int, processes: int, policies: Path) -> tuple[dict[str, lis
 
     outcomes = {}
     for k, peer in enumerate(all_peers(policies)):
-        items = [(k, seed, policies) for seed in range(min(count, peer.sample or count))]
+        items = [(k, seed, policies) for seed in range(min(count, peer.arena_limit or count))]
         # never in this process: a peer may start threads that do not end
         outcomes[peer.name] = list(run_jobs(run_peer, items, max(processes, 2), None))
     return outcomes, step_times(range(min(count, 100)))

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import cast, get_args
 
-from benchmarks.peers.in_loops import FEW, POLICIES
+from benchmarks.peers.in_loops import POLICIES, SLOW_PEER_ARENAS
 from benchmarks.suites.arenas import (
     HEADINGS,
     USUAL_PARTS,
@@ -179,7 +179,7 @@ def _peer_tables(count: int, processes: int, tubes: list[Summary], policies: Pat
             printed.HEADINGS, printed.peer_rows(outcomes, policies), STEP_NOTE.format(**steps)
         ),
         "Policies, every run": (printed.RUNS, printed.policy_rows(outcomes, policies), ""),
-        "Symbolic control, the first arena": (printed.SYMBOLIC, printed.symbolic_rows(count > FEW), GRID_NOTE),
+        "Symbolic control, the first arena": (printed.SYMBOLIC, printed.symbolic_rows(count > SLOW_PEER_ARENAS), GRID_NOTE),
         "Controllers of the first arena on a microcontroller": (printed.BOARD, printed.board_rows(policies), ""),
     }  # fmt: skip
 

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.peers.driven import seconds_a_step
-from benchmarks.peers.in_loops import DISTURBANCES, POLICIES, Ground, contenders
+from benchmarks.peers.in_loops import DISTURBANCES, POLICIES, LoopArena, all_contenders
 from benchmarks.peers.policy import HERTZ
 from benchmarks.suites.families import FAMILIES, arena_task
 from benchmarks.suites.report import number
@@ -128,13 +128,13 @@ def _peer_runs(job: LoopJob, ours: Loop, scenarios: Sequence[Scenario]) -> tuple
     if not job.peers:
         return {}, {}
     runs, steps = {}, {"own": seconds_a_step(ours.loaded, _undisturbed_states(ours, 1 / HERTZ))}
-    for contender in contenders(job.policies):
-        if contender.first is not None and job.seed >= contender.first:
+    for contender in all_contenders(job.policies):
+        if contender.arena_limit is not None and job.seed >= contender.arena_limit:
             continue
-        ready = contender.make(Ground(job.seed, job.w_max, ours, scenarios))
-        runs[contender.name] = () if ready is None else tuple(map(ready[0].run, ready[1]))
-        if ready is not None and ready[0].loaded.advance is None:
-            steps[contender.name] = seconds_a_step(ready[0].loaded, _undisturbed_states(ours, contender.period))
+        ready = contender.prepare(LoopArena(job.seed, job.w_max, ours, scenarios))
+        runs[contender.name] = () if ready is None else tuple(map(ready.loop.run, ready.scenarios))
+        if ready is not None and ready.loop.loaded.advance is None:
+            steps[contender.name] = seconds_a_step(ready.loop.loaded, _undisturbed_states(ours, contender.period))
     return runs, steps
 
 
@@ -171,7 +171,7 @@ def table_rows(outcomes: Iterable[LoopOutcome]) -> list[list[str]]:
     """
     by_name: dict[str, list[tuple[Run, ...]]] = {}
     steps: dict[str, list[float]] = {}
-    tubes = {"own", *(c.name for c in contenders() if c.tube)}
+    tubes = {"own", *(c.name for c in all_contenders() if c.has_tube)}
     for o in outcomes:
         for name, runs in o.runs.items():
             by_name.setdefault(name, []).append(runs)
@@ -203,7 +203,7 @@ def _median(values: Sequence[float]) -> str:
 
 def strengths(policies: Path = POLICIES) -> list[list[str]]:
     """Return for each peer what it does better than our controller, and what it guarantees."""
-    return [[c.name, c.better, c.guarantees] for c in contenders(policies)]
+    return [[c.name, c.advantages, c.guarantees] for c in all_contenders(policies)]
 
 
 STRENGTH_HEADINGS = ("controller", "better than ours", "guarantees")

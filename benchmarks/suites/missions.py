@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from benchmarks.peers.milp import between, solved
+from benchmarks.peers.milp import share_violated_between_samples, solve_mission
 from benchmarks.suites.report import command, machine, number, record, table, versions
 from benchmarks.suites.scenarios import SCENARIO_FAMILIES, Scenario, connected_stones, moving_mission, random_mission
 from stt_codegen.certify.claims import units_of_error
@@ -153,11 +153,11 @@ def _peer_results(text: str, limit: float) -> Iterator[str]:
     """Yield the results of stlpy's standard and logarithmic programs for a scenario."""
     task = parse_task(text)
     for logarithmic in (False, True):
-        answer = solved(task, logarithmic, limit)
+        answer = solve_mission(task, logarithmic, limit)
         if answer.path is None:
             yield f"{answer.status}, {answer.seconds:.2g} s"
         else:
-            wrong = between(task, answer.path)
+            wrong = share_violated_between_samples(task, answer.path)
             yield f"{answer.seconds:.2g} s" + (f", wrong for {100 * wrong:.0f} % of its way" if wrong > 0 else "")
 
 

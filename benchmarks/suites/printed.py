@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.peers.in_arenas import Outcome, all_peers
+from benchmarks.peers.in_arenas import PeerOutcome, all_peers
 from benchmarks.peers.in_loops import GRIDS, POLICIES, ROBOT
 from benchmarks.peers.policy import load_policy
-from benchmarks.peers.symbolic import Abstraction, synthesize, tried
+from benchmarks.peers.symbolic import Abstraction, simulate_runs, synthesize
 from benchmarks.suites.families import FAMILIES, cubes, is_feasible
 from benchmarks.suites.report import number
 from stt_codegen.design_kinds import DesignKind
@@ -50,25 +50,25 @@ SYMBOLIC = (
 BOARD = ("on a Cortex-M4F", "instructions, least / median / most", "code B", "tables B", "stack B")
 
 
-def peer_rows(outcomes: dict[str, list[Outcome]], policies: Path = POLICIES) -> list[list[str]]:
+def peer_rows(outcomes: dict[str, list[PeerOutcome]], policies: Path = POLICIES) -> list[list[str]]:
     """Return a row of HEADINGS for each peer. outcomes: in the arenas, by the peer's name."""
     return [
-        [p.name, p.asks, _success(outcomes[p.name]), _times(outcomes[p.name], p.per == "step"), p.guarantees, p.lacks]
+        [p.name, p.question, _success(outcomes[p.name]), _times(outcomes[p.name], p.timed == "step"), p.guarantees, p.lacks]
         for p in all_peers(policies)
     ]
 
 
-def _success(outcomes: Sequence[Outcome]) -> str:
+def _success(outcomes: Sequence[PeerOutcome]) -> str:
     return f"{sum(o.success for o in outcomes)} of {len(outcomes)}"
 
 
-def _times(outcomes: Sequence[Outcome], step: bool) -> str:
+def _times(outcomes: Sequence[PeerOutcome], step: bool) -> str:
     scale, unit = (1e6, "us a step") if step else (1e3, "ms")
     middle, late = (number(scale * float(np.percentile([o.seconds for o in outcomes], k))) for k in (50, 95))
     return f"{middle} / {late} {unit}"
 
 
-def policy_rows(outcomes: dict[str, list[Outcome]], policies: Path = POLICIES) -> list[list[str]]:
+def policy_rows(outcomes: dict[str, list[PeerOutcome]], policies: Path = POLICIES) -> list[list[str]]:
     """Return a row of RUNS for each policy: how its runs ended."""
     rows = []
     for peer in all_peers(policies):
@@ -81,13 +81,13 @@ def policy_rows(outcomes: dict[str, list[Outcome]], policies: Path = POLICIES) -
     return rows
 
 
-def table_i(outcomes: dict[str, list[Outcome]], tubes: Sequence[Any], policies: Path = POLICIES) -> list[list[str]]:
+def table_i(outcomes: dict[str, list[PeerOutcome]], tubes: Sequence[Any], policies: Path = POLICIES) -> list[list[str]]:
     """Return the rows of the paper's Table I beside measured ones. tubes: summaries of our designs in the paper's arenas."""
     rows: list[list[str]] = []
     for name, success, seconds, prefixes in PRINTED:
         first, before = [name, f"{success:.1f} %", f"{seconds:g}"], len(rows)
         for peer in (p for p in all_peers(policies) if p.name.startswith(tuple(prefixes)) and prefixes):
-            is_trained = peer.per == "step"
+            is_trained = peer.timed == "step"
             seconds_text = (
                 _times(outcomes[peer.name], False) if not is_trained else f"{_training(peer.name, policies)} once for all arenas"
             )
@@ -134,7 +134,7 @@ def symbolic_rows(with_robot: bool = True) -> list[list[str]]:
         controller = synthesize(PAPER, cubes(PAPER, 0), a)
         memory = number(tracemalloc.get_traced_memory()[1] / 1e6)
         tracemalloc.stop()
-        wins, runs = 100 * float((controller.table < len(a.inputs(2))).mean()), tried(controller, cubes(PAPER, 0))
+        wins, runs = 100 * float((controller.table < len(a.inputs(2))).mean()), simulate_runs(controller, cubes(PAPER, 0))
         rows.append(
             [
                 name,

@@ -13,12 +13,12 @@ import pytest
 
 from benchmarks.peers import funnels, predictive
 from benchmarks.peers import in_loops as contenders
-from benchmarks.peers.driven import held, seconds_a_step
-from benchmarks.peers.freeways import cells, curve_is_safe, drake, fast_path, largest, neighbours
-from benchmarks.peers.in_arenas import PEERS, Outcome
-from benchmarks.peers.in_loops import CONTENDERS, GRIDS, Ground
-from benchmarks.peers.policy import DIRECTIONS, HERTZ, SEEN, SPEED, Policy, load_policy, observe, rays
-from benchmarks.peers.symbolic import NEVER, NONE, Abstraction, GridController, synthesize, tried
+from benchmarks.peers.driven import compile_peer, seconds_a_step
+from benchmarks.peers.freeways import curve_is_safe, disjoint_free_boxes, drake, fast_path, maximal_free_boxes, neighbours
+from benchmarks.peers.in_arenas import PEERS, PeerOutcome
+from benchmarks.peers.in_loops import CONTENDERS, GRIDS, LoopArena
+from benchmarks.peers.policy import DIRECTIONS, HERTZ, OBSERVATION_SIZE, SPEED, Policy, load_policy, observe, ray_lengths
+from benchmarks.peers.symbolic import NO_INPUT, UNREACHABLE, Abstraction, GridController, simulate_runs, synthesize
 from benchmarks.suites import printed
 from benchmarks.suites.families import BOX, FAMILIES, cubes
 from benchmarks.suites.loop import LoopJob, run_job, strengths, table_rows
@@ -55,7 +55,7 @@ def test_a_grid_keeps_its_promise_under_every_corner_wind(name: str) -> None:
     grid, boxes = synthesize(PAPER, cubes(PAPER, OPEN), abstraction), cubes(PAPER, OPEN)
     draw, tau, step = np.random.default_rng(1), float(abstraction.period), PAPER.side / abstraction.cells
     inputs = np.array([[float(v) for v in u[:2]] for u in abstraction.inputs(2)])
-    winning_cells = np.argwhere(grid.value[..., 0] < NEVER)
+    winning_cells = np.argwhere(grid.value[..., 0] < UNREACHABLE)
     x = (winning_cells[draw.integers(0, len(winning_cells), 400)] + draw.uniform(0, 1, (400, 2))) * step
     steps_left = grid.value[tuple((x / step).astype(int).T)][:, 0].astype(int)
     assert (steps_left > 10).any()
@@ -63,7 +63,7 @@ def test_a_grid_keeps_its_promise_under_every_corner_wind(name: str) -> None:
         cells = tuple((x / step).astype(int).T)
         u = inputs[grid.table[cells][:, 0]]
         wind = 0.3 * np.sign(draw.uniform(-1, 1, x.shape)) * 0.999999  # slightly inside the corners, for the rounding of the sum
-        for share in (0.25, 0.5, 0.75) if abstraction.swept else ():
+        for share in (0.25, 0.5, 0.75) if abstraction.is_swept else ():
             between = x + share * tau * (u + wind)
             assert not is_inside_box(between, boxes).any()
         x = x + tau * (u + wind)
@@ -82,7 +82,7 @@ def test_the_value_of_a_cell_is_one_more_than_that_of_its_worst_successor(coarse
     abstraction = coarse_grid.abstraction
     inputs, step = abstraction.inputs(2), Fraction(5) / abstraction.cells
     reach = step / 2 + abstraction.period * abstraction.w_max
-    winning_cells = np.argwhere((coarse_grid.value[..., 0] < NEVER) & (coarse_grid.value[..., 0] > 0))
+    winning_cells = np.argwhere((coarse_grid.value[..., 0] < UNREACHABLE) & (coarse_grid.value[..., 0] > 0))
     for i, j in winning_cells[:: len(winning_cells) // 40]:
         u = inputs[coarse_grid.table[i, j, 0]]
         ranges_of_cells = []
@@ -97,14 +97,14 @@ def test_the_value_of_a_cell_is_one_more_than_that_of_its_worst_successor(coarse
 
 def test_the_robots_successor_cells_contain_its_trajectories() -> None:
     """Random trajectories from a cell of three states end in the successors that the abstraction computes."""
-    from benchmarks.peers.symbolic import _windows
+    from benchmarks.peers.symbolic import _transition_windows
 
     abstraction = Abstraction(50, Fraction(1, 5), (Fraction(-1), Fraction(1)), headings=36, turns=(Fraction(1),))
     draw, tau, step = np.random.default_rng(2), 0.2, 0.1
     width = 2 * np.pi / abstraction.headings
     for heading in (0, 7, 20):
         for u in abstraction.inputs(2):
-            window = _windows(PAPER, abstraction, u, heading)[0]
+            window = _transition_windows(PAPER, abstraction, u, heading).successors
             x, angle = draw.uniform(0, step, (500, 2)), (heading + draw.uniform(0, 1, 500)) * width - np.pi
             wind = 0.3 * np.sign(draw.uniform(-1, 1, (500, 3)))
             for _ in range(400):  # Euler's error of tau^2 / 400 is below the margin of a cell
@@ -123,11 +123,12 @@ def test_a_swept_grid_is_safe_between_samples_too(seed: int) -> None:
     """Every grid is safe at its samples; only the swept one is safe between them."""
     squares = cubes(PAPER, seed)
     plain, swept = (
-        tried(synthesize(PAPER, squares, GRIDS[name]), squares, 300, step=5e-3) for name in ("50 x 50", "100 x 100, swept")
+        simulate_runs(synthesize(PAPER, squares, GRIDS[name]), squares, 300, step=5e-3)
+        for name in ("50 x 50", "100 x 100, swept")
     )
     assert (plain.at_samples, plain.arrived) == (swept.at_samples, swept.arrived) == (0, 300)
     assert swept.between == 0
-    blind = tried(synthesize(PAPER, squares[:0], GRIDS["50 x 50"]), squares, 300, step=5e-3)
+    blind = simulate_runs(synthesize(PAPER, squares[:0], GRIDS["50 x 50"]), squares, 300, step=5e-3)
     assert blind.at_samples > 0  # a controller that knows no unsafe set meets some
 
 
@@ -135,32 +136,32 @@ def test_a_robot_with_few_headings_is_safe_and_arrives() -> None:
     abstraction = Abstraction(50, Fraction(1, 5), tuple(map(Fraction, (-2, -1, 0, 1, 2))), w_max=Fraction(1, 10), headings=36)
     squares = cubes(PAPER, 0)
     grid = synthesize(PAPER, squares, abstraction)
-    assert grid.wins
-    runs = tried(grid, squares, 200, step=5e-3)
+    assert grid.is_winning
+    runs = simulate_runs(grid, squares, 200, step=5e-3)
     assert (runs.at_samples, runs.arrived) == (0, 200)
 
 
 def test_a_grid_that_is_blocked_wins_nothing() -> None:
     wall = np.array([[[2.0, 3.0], [0.0, 5.0]]])
     grid = synthesize(PAPER, wall, GRIDS["50 x 50"])
-    assert not grid.wins
-    assert (grid.table[0, 0] == NONE).all()
+    assert not grid.is_winning
+    assert (grid.table[0, 0] == NO_INPUT).all()
 
 
 def test_a_grids_c_gives_the_inputs_of_its_table(coarse_grid: GridController) -> None:
     needs("gcc")
-    controller = held(coarse_grid.source(), 2, 4.0, None)
+    controller = compile_peer(coarse_grid.source(), 2, 4.0, None)
     inputs = np.array([[float(v) for v in u[:2]] for u in coarse_grid.abstraction.inputs(2)])
     for x in np.random.default_rng(3).uniform(0, 5, (200, 2)):
         number = coarse_grid.table[tuple((x / 0.1).astype(int))][0]
-        expected = np.zeros(2) if number == NONE else inputs[number]
+        expected = np.zeros(2) if number == NO_INPUT else inputs[number]
         assert (input_of(controller.library, 0.0, x) == expected).all()
 
 
 def test_a_held_input_changes_only_at_the_next_sample() -> None:
     needs("gcc")
     source = "static int decide(real t, const real *x, real *u)\n{\n    u[0] = x[0];\n    u[1] = t;\n    return 0;\n}\n"
-    controller = held(source, 2, 20.0, None, "double")
+    controller = compile_peer(source, 2, 20.0, None, real="double")
     controller.library.other_step.argtypes = [ctypes.c_double, ctypes.c_void_p, ctypes.c_void_p]
     controller.start()
     inputs = []
@@ -177,16 +178,16 @@ def test_a_held_input_changes_only_at_the_next_sample() -> None:
 def random_policy(seed: int = 0) -> Policy:
     """Return a policy with random weights."""
     draw = np.random.default_rng(seed)
-    sizes = (SEEN, 8, 6, 4)
+    sizes = (OBSERVATION_SIZE, 8, 6, 4)
     layers = tuple((draw.normal(size=(i, j)) / i**0.5, draw.normal(size=j)) for i, j in itertools.pairwise(sizes))
-    return Policy(draw.normal(size=SEEN) / 4, draw.uniform(0.5, 2, SEEN), layers, seed, 1.0, 2)
+    return Policy(draw.normal(size=OBSERVATION_SIZE) / 4, draw.uniform(0.5, 2, OBSERVATION_SIZE), layers, seed, 1.0, 2)
 
 
 def test_a_policys_c_computes_what_its_python_does(tmp_path: Path) -> None:
     needs("gcc")
     random_policy().save(tmp_path / "policy_0.npz")
     policy, boxes = load_policy(tmp_path / "policy_0.npz"), cubes(PAPER, 3)
-    controller = held(policy.source(boxes), 2, HERTZ, None)
+    controller = compile_peer(policy.source(boxes), 2, HERTZ, None)
     draw = np.random.default_rng(4)
     for x, t in zip(draw.uniform(0, 5, (200, 2)), draw.uniform(0, 9, 200), strict=True):
         # Single precision: 27 terms of a few units in three layers, each within 2^-23 of its size.
@@ -199,7 +200,7 @@ def test_a_ray_ends_where_a_finely_stepped_one_does() -> None:
     for x in ((0.3, 0.2), (2.5, 4.9), (4.0, 1.0)):
         if is_inside_box(np.array([x]), boxes)[0]:
             continue
-        for length, direction in zip(rays(np, np.array(x), boxes), DIRECTIONS, strict=True):
+        for length, direction in zip(ray_lengths(np, np.array(x), boxes), DIRECTIONS, strict=True):
             steps = np.arange(0, 8, 0.001)[:, None] * direction + x
             is_outside = is_inside_box(steps, boxes) | np.any((steps < 0) | (steps > 5), axis=1)
             assert abs(0.001 * np.argmax(is_outside) - length) <= 0.0011
@@ -208,7 +209,7 @@ def test_a_ray_ends_where_a_finely_stepped_one_does() -> None:
 def test_a_policy_sees_the_nearest_square_first() -> None:
     boxes, x = cubes(PAPER, 0), np.array([2.5, 0.1])
     observation = observe(np, x, np.array(3.0), boxes)
-    assert observation.shape == (SEEN,)
+    assert observation.shape == (OBSERVATION_SIZE,)
     assert np.array_equal(observation, observe(np, x, np.array(3.0), boxes[::-1]))
     distances = np.maximum(boxes[..., 0] - x, x - boxes[..., 1]).max(axis=-1)
     assert np.allclose(observation[5:7] * 5, boxes[np.argmin(distances)].mean(axis=-1) - x)
@@ -217,7 +218,7 @@ def test_a_policy_sees_the_nearest_square_first() -> None:
 # ------------------------------------------------------------------------------------------------ curves
 
 
-@pytest.mark.parametrize("cut", [cells, largest])
+@pytest.mark.parametrize("cut", [disjoint_free_boxes, maximal_free_boxes])
 def test_free_boxes_are_free_and_cover_the_free_space(cut) -> None:
     for seed in (0, 7, 11):
         squares = cubes(PAPER, seed)
@@ -258,18 +259,18 @@ def test_without_a_route_there_is_no_curve() -> None:
 
 def test_the_program_of_predictive_control_has_its_documented_cost_and_rows() -> None:
     """For random inputs u and slacks s its matrices give the cost and the rows of its docstring."""
-    cost, rows = predictive.program(7.0)
-    draw, n, step = np.random.default_rng(0), predictive.STEPS, predictive.STEP
+    cost, rows = predictive.program_matrices(7.0)
+    draw, n, step = np.random.default_rng(0), predictive.STEPS, predictive.STEP_SECONDS
     u, s = draw.normal(size=(2, n)), draw.normal(size=(2, n))
     z, x = np.concatenate([u.ravel(), s.ravel()]), step * np.cumsum(u, axis=1)
-    assert np.isclose(z @ cost @ z / 2, (x**2).sum() + predictive.PUSH * (u**2).sum() + 7 * (s**2).sum())
+    assert np.isclose(z @ cost @ z / 2, (x**2).sum() + predictive.INPUT_WEIGHT * (u**2).sum() + 7 * (s**2).sum())
     assert np.allclose(rows @ z, np.concatenate([(x + s).ravel(), (x - s).ravel(), u.ravel()]))
 
 
 def test_a_path_of_a_star_has_its_stated_clearance() -> None:
     needs("pyastar2d")
     for seed in range(12):
-        path = funnels.way(PAPER, cubes(PAPER, seed))
+        path = funnels.clearest_way(PAPER, cubes(PAPER, seed))
         assert path is not None
         points, clearance = path
         points_along = np.concatenate([np.linspace(p, q, 50) for p, q in itertools.pairwise(points)])
@@ -316,12 +317,12 @@ def test_a_controller_that_does_nothing_does_not_reach_the_target(outcome) -> No
     task = arena_task(PAPER, OPEN)
     tube = certified_tube(task)
     loop = Loop(contenders.build_task(task), PLANTS["integrator"])
-    still = held(
+    still = compile_peer(
         "static int decide(real t, const real *x, real *u)\n{\n    u[0] = u[1] = 0;\n    return 0;\n}\n", 2, 20, loop.loaded.tube
     )
-    ready = Ground(OPEN, 0.0, loop, scenarios_of(LoopJob(OPEN, runs=1), tube, 0.5)).with_step(still)
+    ready = LoopArena(OPEN, 0.0, loop, scenarios_of(LoopJob(OPEN, runs=1), tube, 0.5)).prepare(still)
     assert ready is not None
-    assert not ready[0].run(ready[1][0]).reached
+    assert not ready.loop.run(ready.scenarios[0]).reached
     assert seconds_a_step(still, np.zeros((10, 3))) > 0
 
 
@@ -332,7 +333,7 @@ def test_a_trained_policy_is_in_the_table(tmp_path: Path) -> None:
 
 
 def test_every_controller_states_its_guarantee_and_what_it_does_better() -> None:
-    assert all(c.better and c.guarantees for c in CONTENDERS)
+    assert all(c.advantages and c.guarantees for c in CONTENDERS)
     assert all(p.guarantees and p.lacks for p in PEERS)
     assert len({p.name for p in PEERS}) == len(PEERS)
 
@@ -344,7 +345,7 @@ def test_table_i_has_the_papers_figures_and_counts_our_runs(tmp_path: Path) -> N
         hit=None, hit_at=None, left_at=None, outside=0, outside_at=None, reached=True, margin=0.1, e=(0.5,), u=(1.0,), last=(4.6,)
     )
     hit, late = replace(run, hit="O1", hit_at=1.0), replace(run, reached=False)
-    outcomes = {p.name: [Outcome(k < 3, 0.001 * (k + 1)) for k in range(4)] for p in printed.all_peers(tmp_path)}
+    outcomes = {p.name: [PeerOutcome(k < 3, 0.001 * (k + 1)) for k in range(4)] for p in printed.all_peers(tmp_path)}
     rows = printed.table_i(outcomes, [], tmp_path)
     assert [r[:3] for r in rows if r[0]] == [[n, f"{s:.1f} %", f"{t:g}"] for n, s, t, _ in printed.PRINTED]
     assert [r[3:] for r in rows if r[0] == "RL"] == [["left out: `make policies` trains them", "", ""]]
@@ -352,7 +353,7 @@ def test_table_i_has_the_papers_figures_and_counts_our_runs(tmp_path: Path) -> N
     assert sum(r[3].startswith("symbolic control") for r in rows) == len(GRIDS) + 1
     random_policy(1).save(tmp_path / "policy_1.npz")
     (learned,) = [p.name for p in printed.all_peers(tmp_path) if p.name not in outcomes]
-    outcomes[learned] = [Outcome(False, 1e-6, runs=(run, hit)), Outcome(True, 3e-6, runs=(late, run))]
+    outcomes[learned] = [PeerOutcome(False, 1e-6, runs=(run, hit)), PeerOutcome(True, 3e-6, runs=(late, run))]
     assert [r[3:5] for r in printed.table_i(outcomes, [], tmp_path) if r[0] == "RL"] == [[learned, "1 of 2"]]
     assert printed.policy_rows(outcomes, tmp_path) == [[learned, "4", "3", "1", "0", "2", "2 / 2.9 us a step"]]
 

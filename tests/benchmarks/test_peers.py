@@ -21,7 +21,16 @@ import pytest
 import stt_codegen as stt
 from benchmarks.peers import barrier, cascade
 from benchmarks.peers import in_arenas as peers
-from benchmarks.peers.cascade import E_MAX, Filtered, Stage, drive, edges_at, inertial, pulled
+from benchmarks.peers.cascade import (
+    E_MAX,
+    ComparedController,
+    FilteredLaw,
+    FirstStage,
+    build_double_integrator,
+    edges_at,
+    simulate,
+    xi_eps,
+)
 from benchmarks.suites.families import FAMILIES, cubes, is_feasible
 from stt_codegen.errors import BadInput, MissingTool
 from stt_codegen.reference import transform
@@ -82,7 +91,7 @@ def test_a_star_has_a_path_exactly_where_one_exists() -> None:
     needs("pyastar2d")
     narrow = (32, 98, 124, 158)  # the route closes at a clearance between 0.06 and 0.15
     for seed in (*OPEN, *narrow, *BLOCKED):
-        outcome = peers.plan(peers.a_star, PAPER, seed)
+        outcome = peers.try_path_planner(peers.a_star, PAPER, seed)
         assert outcome.success == is_feasible(PAPER, seed, 0.06), seed
     assert outcome.note == "no path found"
 
@@ -119,7 +128,7 @@ def test_our_step_arrives_in_narrow_tubes_when_it_is_called_often_enough() -> No
 
 def test_the_barrier_filter_works_in_three_dimensions() -> None:
     needs("osqp", "scipy", "gcc")
-    assert not barrier.closed_loops(FAMILIES["space3"], 0)["cbf"].collided
+    assert not barrier.run_closed_loops(FAMILIES["space3"], 0)["cbf"].collided
 
 
 @pytest.mark.parametrize("name", ["ompl", "pyastar2d", "hj_reachability", "osqp"])
@@ -132,7 +141,7 @@ def test_a_missing_package_says_what_to_install(name, monkeypatch) -> None:
         return real(module)
 
     monkeypatch.setattr(importlib, "import_module", without)
-    for cached in (peers._ompl, peers._warm, peers._reach_avoid_solver, barrier._filter_solver):
+    for cached in (peers._ompl, peers._warm_up, peers._reach_avoid_solver, barrier._filter_solver):
         cached.cache_clear()
     index = {"ompl": 0, "pyastar2d": 2, "hj_reachability": 3, "osqp": 4}[name]
     with pytest.raises(MissingTool) as refusal:
@@ -159,19 +168,19 @@ def test_grids_are_for_the_plane() -> None:
 # ------------------------------------------------------------------------------------------------ the cascade, order 2
 
 W_MAX = 0.3
-CASCADES = [(tube, forward, share) for tube in cascade.TUBES for forward in (True, False) for share in cascade.SHARES]
+CASCADES = [(tube, forward, share) for tube in cascade.TUBES for forward in (True, False) for share in cascade.START_SHARES]
 
 
 @cache
 def tube_of(name):
     """Return our controller of order 2 for an example task, with disturbances up to W_MAX."""
-    return inertial(name, W_MAX)
+    return build_double_integrator(name, W_MAX)
 
 
 @cache
 def proved_cascade(name, forward, share):
     """Return the cascade with its longest proved period; forward: with feed-forward of the centre's motion; share: of the start."""
-    proved = cascade.cascade(tube_of(name), forward, share)
+    proved = cascade.cascade_of_longest_period(tube_of(name), forward, share)
     assert proved is not None
     return proved
 
@@ -180,15 +189,17 @@ def rates_at_states(name, proved, side=None):
     """Yield (window, rate of v_ref, rate of eps1) at random times and states, by differences along the state's motion.
 
     The states have |eps1| < E1 and |v - v_ref| < rho; with a side (1 or -1) they are at these bounds on that side."""
-    design, draw, n, h = tube_of(name).design, np.random.default_rng(5), len(proved.reach), 1e-6
+    design, draw, n, h = tube_of(name).design, np.random.default_rng(5), len(proved.e1), 1e-6
     t_c = float(design.prescribed_time)
     for t in draw.uniform(2 * h, t_c - 2 * h, 300).tolist():
         edges_before, edges_now, edges_after = edges_at(design, np.array([t - h, t, t + h]))
         share = draw.choice((-0.999, 0.999), n) if side is None else side
         velocity_share = draw.choice((-0.999, 0.999), n) if side is None else side
-        x = edges_now.middle + np.tanh(proved.reach * share / 2) * (edges_now.upper - edges_now.lower) / 2
-        v = proved.law.wanted(edges_now, x) + proved.law.rho * velocity_share
-        v_ref_rate = (proved.law.wanted(edges_after, x + h * v) - proved.law.wanted(edges_before, x - h * v)) / (2 * h)
+        x = edges_now.middle + np.tanh(proved.e1 * share / 2) * (edges_now.upper - edges_now.lower) / 2
+        v = proved.law.reference_speed(edges_now, x) + proved.law.rho * velocity_share
+        v_ref_rate = (
+            proved.law.reference_speed(edges_after, x + h * v) - proved.law.reference_speed(edges_before, x - h * v)
+        ) / (2 * h)
         eps = [
             np.log((y - edges.lower) / (edges.upper - y)) for edges, y in ((edges_after, x + h * v), (edges_before, x - h * v))
         ]
@@ -198,7 +209,7 @@ def rates_at_states(name, proved, side=None):
 @pytest.mark.parametrize(("name", "forward", "share"), CASCADES)
 def test_v_ref_changes_no_faster_than_its_bound(name, forward, share) -> None:
     proved = proved_cascade(name, forward, share)
-    bound = Stage.of(tube_of(name).design, forward).rate(proved.law.k1, proved.reach, proved.law.rho)
+    bound = FirstStage.of(tube_of(name).design, forward).reference_acceleration(proved.law.k1, proved.e1, proved.law.rho)
     shares = np.array([np.abs(turn) / bound[window] for window, turn, _ in rates_at_states(name, proved)])
     assert shares.max() <= 1
     assert shares.max() > 0.5  # the bound is not far above
@@ -216,12 +227,14 @@ def test_the_first_stage_moves_inward_at_its_bound_and_half_its_gain_does_not(na
 @pytest.mark.parametrize(("name", "forward", "share"), CASCADES)
 def test_shorter_periods_are_proved_too_and_the_period_is_the_longest(name, forward, share) -> None:
     proved = proved_cascade(name, forward, share)
-    reaches = np.geomspace(proved.setting.start.max() * 1.001, cascade.FARTHEST, 60)
-    times = proved.seconds * np.array([0.01, 0.2, 0.5, 0.9, 0.999, 1.05, 1.3])
+    reaches = np.geomspace(proved.sampled_loop.start.max() * 1.001, cascade.EPS_LIMIT, 60)
+    times = proved.period * np.array([0.01, 0.2, 0.5, 0.9, 0.999, 1.05, 1.3])
 
     def conditions(reach, tau):
         with np.errstate(invalid="ignore"):
-            return np.concatenate([c.values.ravel() for c in sharp(proved.setting, np.full(len(proved.u), reach), tau)])
+            return np.concatenate(
+                [c.values.ravel() for c in sharp(proved.sampled_loop, np.full(len(proved.input_bounds), reach), tau)]
+            )
 
     values = np.array([[conditions(reach, tau) for tau in times] for reach in reaches])
     is_proved = (values > 0).all(axis=2)
@@ -233,13 +246,13 @@ def test_shorter_periods_are_proved_too_and_the_period_is_the_longest(name, forw
 
 def test_the_rate_of_v_ref_grows_with_reach_width_and_gain() -> None:
     for forward in (True, False):
-        stage = Stage.of(tube_of("omni_s2").design, forward)
+        stage = FirstStage.of(tube_of("omni_s2").design, forward)
         values = tuple(np.full(2, v) for v in (0.05, 1.0, 0.2))  # k1, E1, rho
         for k in range(3):
             larger = tuple(v * 1.1 if j == k else v for j, v in enumerate(values))
-            assert (stage.rate(*larger) > stage.rate(*values)).all()
-        assert (stage.least_gain(values[1], 2 * values[2]) > stage.least_gain(values[1], values[2])).all()
-        assert (stage.least_gain(2 * values[1], values[2]) < stage.least_gain(values[1], values[2])).all()
+            assert (stage.reference_acceleration(*larger) > stage.reference_acceleration(*values)).all()
+        assert (stage.smallest_gain(values[1], 2 * values[2]) > stage.smallest_gain(values[1], values[2])).all()
+        assert (stage.smallest_gain(2 * values[1], values[2]) < stage.smallest_gain(values[1], values[2])).all()
 
 
 @pytest.mark.parametrize(
@@ -249,13 +262,13 @@ def test_the_cascade_stays_in_its_tube_at_its_period_and_not_at_20_times_it(name
     proved, design = proved_cascade(name, forward, share), tube_of(name).design
     begin = share * np.array([[0.0], [1.0], [-1.0]]) * np.ones(design.dimension)
     for share_of_period in (0.2, 1):
-        run = drive(design, proved.law, proved.seconds * share_of_period, W_MAX, begin)
-        assert run.held.max() < 1  # |v - v_ref| < rho
-        assert run.margin.min() > (1 - np.tanh(proved.reach.max() / 2)) / 2  # |eps1| < E1
-        assert (run.u.max() <= max(proved.u)).all()
-    assert drive(design, proved.law, proved.seconds * 20, W_MAX, begin).margin.max() <= 0
+        run = simulate(design, proved.law, proved.period * share_of_period, W_MAX, begin)
+        assert run.error.max() < 1  # |v - v_ref| < rho
+        assert run.margin.min() > (1 - np.tanh(proved.e1.max() / 2)) / 2  # |eps1| < E1
+        assert (run.u.max() <= max(proved.input_bounds)).all()
+    assert simulate(design, proved.law, proved.period * 20, W_MAX, begin).margin.max() <= 0
     weak = replace(proved.law, u_max=np.full(design.dimension, 0.9 * W_MAX))  # w exceeds it
-    assert drive(design, weak, proved.seconds, W_MAX, begin).margin.min() <= 0
+    assert simulate(design, weak, proved.period, W_MAX, begin).margin.min() <= 0
 
 
 def test_the_laws_of_the_comparison_are_those_of_reference_and_emitted_code() -> None:
@@ -263,11 +276,11 @@ def test_the_laws_of_the_comparison_are_those_of_reference_and_emitted_code() ->
     draw = np.random.default_rng(1)
     low, high, x = np.zeros(2), np.array([0.3, 2.0]), draw.uniform(-0.5, 2.5, (400, 2))
     _, eps, xi = transform(low, high, x, (E_MAX, E_MAX))
-    np.testing.assert_allclose(pulled(x - low, high - x), (xi * eps).astype(float), rtol=1e-9)
+    np.testing.assert_allclose(xi_eps(x - low, high - x), (xi * eps).astype(float), rtol=1e-9)
     limits = {"gain": ["0.2", "0.15"], "u_max": ["3", "3.5"]}
     emitted = stt.build(tube_of("omni_s2").task.changed(control=limits, emit={"scalar": "double"}))
     values = tuple(tuple(map(Fraction, v)) for v in limits.values())
-    law = Filtered(np.array([float(v) for v in emitted.design.filter]), *values)
+    law = FilteredLaw(np.array([float(v) for v in emitted.design.filter]), *values)
     for t in (0.0, 2.3, 7.7):
         (edges,) = edges_at(emitted.design, np.array([t]))
         x = edges.middle + draw.uniform(-0.3, 0.3, (200, 2))
@@ -281,17 +294,17 @@ def test_the_laws_of_the_comparison_are_those_of_reference_and_emitted_code() ->
 
 
 def test_our_proved_period_is_longer_than_that_of_a_cascade_in_the_table(monkeypatch) -> None:
-    monkeypatch.setattr(cascade, "PERIODS", (40, 500))
+    monkeypatch.setattr(cascade, "PERIODS_MS", (40, 500))
     rows, lines, all_inside = cascade.compare(W_MAX, 1)
     assert all_inside
-    assert len(rows) == len(cascade.TUBES) * (1 + 2 * len(cascade.SHARES))
+    assert len(rows) == len(cascade.TUBES) * (1 + 2 * len(cascade.START_SHARES))
     assert all(len(row) == len(cascade.HEADINGS) for row in rows)
     for tube in cascade.TUBES:
         our_period, *cascade_periods = (float(row[3]) for row in rows if row[0] == tube)
         assert our_period > max(cascade_periods)
         assert cascade_periods[0] > cascade_periods[2]  # with feed-forward, and without
     assert "doubles" in lines[0]
-    monkeypatch.setattr(cascade, "folder", lambda: Path("nowhere"))
+    monkeypatch.setattr(cascade, "example_tasks", lambda: Path("nowhere"))
     rows, lines, _ = cascade.compare(W_MAX, 1)
     assert not rows
     assert "nowhere" in lines[0]
@@ -299,11 +312,11 @@ def test_our_proved_period_is_longer_than_that_of_a_cascade_in_the_table(monkeyp
 
 @pytest.mark.slow
 def test_a_loop_that_leaves_below_its_proved_period_is_reported() -> None:
-    proved = cascade.filtered(tube_of("spacecraft"))
+    proved = cascade.filtered_controller(tube_of("spacecraft"))
     assert proved is not None
     design = tube_of("spacecraft").design
-    good = cascade.measured("spacecraft", "ours", 0.9, proved, design, W_MAX)
-    assert good.kept
-    assert not replace(good, corner=100).kept
-    assert replace(good, share=0.5, corner=100).kept  # nothing is proved from there
-    assert not replace(good, middle=1).kept
+    good = cascade.measure(ComparedController("spacecraft", "ours", 0.9, proved), design, W_MAX)
+    assert good.stays_where_proved
+    assert not replace(good, left_from_corner=100).stays_where_proved
+    assert replace(good, share=0.5, left_from_corner=100).stays_where_proved  # nothing is proved from there
+    assert not replace(good, left_from_middle=1).stays_where_proved

@@ -20,7 +20,7 @@ from benchmarks.mutants.sampled import SAMPLED_MUTATIONS, base_loop, draw_sample
 from benchmarks.mutants.tubes import MUTATIONS, draw_mutant
 from benchmarks.mutations import files_claiming_success, judge, judge_filtered_tube, judge_sampled_loop, task_text
 from benchmarks.oracles.cubics import less_bound, point_where_all_are_negative, smallest_value
-from benchmarks.oracles.order_two import available_accelerations, largest_required_acceleration, leaving_state, order_two_faults
+from benchmarks.oracles.order_two import control_authority, largest_demanded_acceleration, leaving_state, order_two_faults
 from benchmarks.oracles.sampled import ClaimedBounds, counterexample
 from benchmarks.oracles.sturm import evaluate, negative_point, nonpositive_point, polynomial
 from benchmarks.oracles.tubes import SMALLEST_WIDTH, Fault, faults, first_fault, signed_edges
@@ -348,9 +348,9 @@ def test_where_u_is_too_weak_the_oracle_shows_a_state_that_leaves() -> None:
     """With 99 % of the input's margin as disturbance P8 holds; with 101 and 103 % the state that the oracle names leaves the tube."""
     base = order_two_base("omni_s2", "double", "limited")
     assert base is not None
-    authority = available_accelerations(base.task)
+    authority = control_authority(base.task)
     assert authority is not None
-    margins = [v - largest_required_acceleration(base.design, i) for i, v in enumerate(authority)]
+    margins = [v - largest_demanded_acceleration(base.design, i) for i, v in enumerate(authority)]
     for share, is_broken in ((Fraction(99, 100), False), (Fraction(101, 100), True), (Fraction(103, 100), True)):
         plant = base.task.plant.model_copy(update={"w_max": base.task.plant.w_max + min(margins) * share})
         task = base.task.model_copy(update={"plant": plant})
