@@ -123,7 +123,7 @@ def test_an_option_of_the_peers_is_refused_without_them(arguments: tuple[str, ..
     assert f"{arguments[1]}: is for --peers" in str(result.exception)
 
 
-def test_benchmarks_are_listed_and_asking_for_help_runs_none() -> None:
+def test_benchmarks_are_listed_and_the_option_help_runs_none() -> None:
     def run(*arguments: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "benchmarks", *arguments]
         return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=60)

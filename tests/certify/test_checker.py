@@ -716,7 +716,7 @@ GANTRY = [
     ("upper_nearer = 0 < apart", "upper_nearer = apart < 0"),
     ("off = upper_nearer ? apart : minus;", "off = upper_nearer ? minus : apart;"),
     ("off_held_under ? off : e_width", "off_held_under ? off : room"),
-    ("e_under ? e_all : 1063134168", "e_under ? 1063134168 : e_all"),  # the clamp the other way round
+    ("e_under ? e_all : 1063134168", "e_under ? 1063134168 : e_all"),  # the clamp inverted
     ("1063134168", "1062000000"),  # which acts before e_max
     ("1063134168", "1073741823"),
     ("10736107", "11000000"),

@@ -176,7 +176,7 @@ target_set = { lower = [0.0, 0.0], upper = [80.0, 80.0] }
 RISING = RefinedDesign(Fraction(8), 8, 0, tuple(((v, v + 2),) * 2 for v in (*range(10), 8)))
 
 
-def test_a_demand_beyond_the_tubes_extreme_breaks_its_property_alone() -> None:
+def test_a_demand_beyond_the_tubes_extreme_breaks_only_its_property() -> None:
     """A demand exactly at the extreme of the tube holds; a demand of 1e-60 more breaks that property and no other."""
     task, design = parse_task(RAMP), RISING
     clearance = task.tube.clearance
@@ -299,8 +299,8 @@ def test_nothing_unsafe_passes_among_some_mutants() -> None:
 @settings(deadline=None)  # exact bisection down to 1e-60 takes long on a busy machine
 @given(roots, roots, st.integers(-3, 3), st.sampled_from([0, TINY, -TINY]))
 def test_signs_of_cubics_by_sturm_are_those_of_their_factors(a: Fraction, b: Fraction, c: int, shift: Fraction) -> None:
-    """(s - a)(s - b)(s + c), and 1e-60 more or less: a time that is returned is a witness; where none is, the samples, which
-    include all around the roots, are not negative."""
+    """(s - a)(s - b)(s + c), and 1e-60 more or less: a time that is returned is a witness; where no time is
+    returned, samples on both sides of the roots are not negative."""
     p = polynomial((a * b * c + shift, a * b - (a + b) * c, c - a - b, 1))
     s, touching = negative_point(p), nonpositive_point(p)
     times = [*(Fraction(k, 40) for k in range(41)), *(v + e for v in (a, b, (a + b) / 2) for e in (-TINY, 0, TINY))]

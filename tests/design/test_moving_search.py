@@ -150,7 +150,7 @@ def test_a_thin_set_closes_a_route_like_a_thick_one(right_edge: str) -> None:
     door = THIN.format(right_edge) + "during = [0, 9]\n"
     with pytest.raises(NotCertified, match="door"):
         built(parse_task(ROOM_TASK.format(sets=door)))
-    with pytest.raises(NotCertified, match="door"):  # a standing set closes the route, beside a moving one
+    with pytest.raises(NotCertified, match="door"):  # a standing set closes the route; the moving one is far away
         built(parse_task(ROOM_TASK.format(sets=THIN.format(right_edge) + FAR.format(20, 21))))
 
 

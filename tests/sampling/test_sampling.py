@@ -298,7 +298,9 @@ def test_eps_at_the_start_is_computed_from_the_tube_at_0(share: float) -> None:
     lower, upper = (np.array(v) for v in module["tube"](0.0))
     x = lower + share * (upper - lower)
     eps = np.abs(np.log((x - lower) / (upper - x)))
-    inside, outside = (Analysis(controller_of("omni_s2"), start=start.tolist()).sampled_loop.start for start in (x, upper + 0.001))
+    inside, outside = (
+        Analysis(controller_of("omni_s2"), start=start.tolist()).sampled_loop.start for start in (x, upper + 0.001)
+    )
     assert inside == pytest.approx(eps, rel=1e-6, abs=1e-6)
     assert np.isinf(outside).all()
 

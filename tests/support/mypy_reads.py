@@ -92,7 +92,7 @@ class ReadRecorder(Plugin):
         return self.attribute(fullname)
 
     def attribute(self, fullname: str) -> Callable[[AttributeContext], Type]:
-        """Return a hook that records reads of the attribute and leaves its type as it is."""
+        """Return a hook that records reads of the attribute and does not change its type."""
 
         def unchanged(ctx: AttributeContext) -> Type:
             if not ctx.is_lvalue:
