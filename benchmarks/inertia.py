@@ -31,7 +31,7 @@ from stt_codegen.design.arena import arena_of, normalise, starting_box
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.routes.shortest_route import shortest_route
 from stt_codegen.errors import MissingTool, NotCertified
-from stt_codegen.loop.command import corner_plants
+from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario, random_start
 from stt_codegen.pipeline import EmittedController, build_program, build_task, certify, design_tube
 from stt_codegen.report.analysis import Analysis

@@ -53,9 +53,6 @@ MOST_RETURNED = 3  # values of a tuple
 PENDING = """
     stt_codegen/compare
     stt_codegen/controller
-    stt_codegen/emit
-    stt_codegen/loop
-    stt_codegen/program
     tests/cli
     tests/compare
     tests/emit

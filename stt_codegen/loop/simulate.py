@@ -3,6 +3,8 @@
 Between samples a classical Runge-Kutta method integrates the plant, u being held: steps of at most MAX_STEP seconds and a quarter
 of the period, halved until the error of a step is below 1e-13. Runs are the same on every machine of one libm: random numbers
 come from the seed in templates/loop/loop.c.
+
+Long because what a run is given and what it results in are described here beside the run.
 """
 
 from __future__ import annotations

@@ -7,6 +7,8 @@
 controller/ makes Programs. targets/ has a folder for each language: printer, templates, runner. read/ reads the C back and shows
 that it is this Program. analyse/ has enclosures, rounding errors, ranges, costs; symbolic/ SymPy; convert/ CasADi. Proofs and
 costs are of this Program, which is what is printed. A new operation is one row of operations.py.
+
+Long because the nodes are one small language, and every reader needs all of them.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from stt_codegen.constraints import control_authority
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import corner_plants
+from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario
 from stt_codegen.pipeline import EmittedController, build_program, certify, design_tube
 from stt_codegen.plants import PLANTS, Plant

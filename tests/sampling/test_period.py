@@ -20,7 +20,7 @@ import stt_codegen as stt
 from stt_codegen.certify.sampled.period import prove_period
 from stt_codegen.cli.main import app
 from stt_codegen.controller.edge_errors import edge_error, rate_error
-from stt_codegen.loop.command import corner_plants
+from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import Loop, Scenario, random_start
 from stt_codegen.program.analyse.exact_logarithm import logarithm
 from stt_codegen.record.sketch import loop_times
