@@ -1,4 +1,4 @@
-"""The suites `arenas`, `loop`, `missions` and `mcu` of `python -m benchmarks`: their options."""
+"""Options of the suites `arenas`, `loop`, `missions` and `mcu` of `python -m benchmarks`, which benchmarks/suites/ implements."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def arenas(
     min_width: Annotated[float | None, typer.Option(help="override tube.min_width", show_default="0.05")] = None,
     processes: Annotated[int, typer.Option(min=0, help="on this machine; 0: one a core")] = 0,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="run on a Dask cluster instead")] = None,
-    peers: Annotated[bool, typer.Option("--peers", help="everyone of the paper's Table I, and more, in the same run")] = False,
+    peers: Annotated[bool, typer.Option("--peers", help="the methods of the paper's Table I, and more, in the same run")] = False,
     policies: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="with --peers: of trained policies (default: build/policies)")
     ] = None,
@@ -48,9 +48,9 @@ def arenas(
     from benchmarks.peers.in_loops import POLICIES
     from benchmarks.suites.command import ArenaOptions, Execution, run_arenas
 
-    _with_peers(peers, "--policies", policies)
-    wanted = ArenaOptions(family, design, count, clearance, min_width, peers, demand, policies or POLICIES)
-    if not run_arenas(wanted, Execution(processes, scheduler, record, json)):
+    _require_peers(peers, "--policies", policies)
+    options = ArenaOptions(family, design, count, clearance, min_width, peers, demand, policies or POLICIES)
+    if not run_arenas(options, Execution(processes, scheduler, record, json)):
         raise typer.Exit(1)
 
 
@@ -82,7 +82,7 @@ def loop(
     runs: Annotated[int, typer.Option(min=1, help="runs of every arena")] = 10,
     processes: Annotated[int, typer.Option(min=0, help="on this machine; 0: one a core")] = 0,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="run on a Dask cluster instead")] = None,
-    peers: Annotated[bool, typer.Option("--peers", help="everyone else who can drive there; of order 2 a cascade")] = False,
+    peers: Annotated[bool, typer.Option("--peers", help="all peers that can drive there; of order 2 a cascade")] = False,
     policies: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="with --peers: of trained policies (default: build/policies)")
     ] = None,
@@ -96,7 +96,7 @@ def loop(
     from benchmarks.peers.in_loops import POLICIES
     from benchmarks.suites.command import Execution, LoopOptions, run_loop
 
-    _with_peers(peers, "--policies", policies)
+    _require_peers(peers, "--policies", policies)
     if not run_loop(
         LoopOptions(count, rate, w_max, runs, peers, policies or POLICIES), Execution(processes, scheduler, record, json)
     ):
@@ -113,15 +113,16 @@ def missions(
 ) -> None:
     """Missions: scenarios of stlpy, random ones, sets that move, published tasks.
 
-    Exit code 1 where less than 98 of 100 among standing sets are carried out. About four minutes, with peers six.
+    Exit code 1 where less than 98 of 100 among sets at rest are certified. About four minutes, with peers six.
     """
     from benchmarks.suites.missions import run_missions
 
-    _with_peers(peers, "--limit", limit)
+    _require_peers(peers, "--limit", limit)
     if not run_missions(count, (60.0 if limit is None else limit) if peers else 0.0, record, json, lambda what: say(f"  {what}")):
         raise typer.Exit(1)
 
 
-def _with_peers(peers: bool, option: str, given: object) -> None:
-    if given is not None and not peers:
+def _require_peers(peers: bool, option: str, value: object) -> None:
+    """Raise BadInput where an option of the peers has a value, and there are no peers."""
+    if value is not None and not peers:
         raise BadInput(f"{option}: is for --peers; give both, or leave it out")

@@ -1,10 +1,10 @@
-"""The lower ends of the dependencies' ranges: installed in a folder of their own, then everything in generated/ is made again.
+"""Install the oldest allowed versions of the dependencies in a new environment, and check that generated/ is the same.
 
     python -m benchmarks ends
 
-The refined design's controllers must be the same bytes. Two kinds of files may differ, and are counted apart: the adaptive and
-the literal design's (CasADi writes x + x as 2 * x in some versions, which is the same number), and what a double's self-test
-accepts (enclosures as narrow as the installed FLINT makes them). Exit 1 where anything else differs.
+Controllers of the refined design must have the same bytes. Two kinds of files may differ, and are counted: those of the adaptive
+and the literal design, because some versions of CasADi write x + x as 2 * x; and the results that the self-test of a double
+accepts, whose enclosures depend on the version of FLINT. The exit code is 1 where another file differs.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-DIFFERS = re.compile(r"^(\S+): differs", re.M)
-EXPECTED = {
+DIFFERENCE = re.compile(r"^(\S+): differs", re.M)
+EXPECTED_DIFFERENCES = {  # by reason: paths in generated/
     "CasADi's spelling of the adaptive and the literal design": re.compile(r"^[^/]+/(adaptive|literal)/"),
     "what a double's self-test accepts": re.compile(r"^\w+/refined/double/\w+(_selftest\.c|\.certificate\.json)$"),
 }
 
 
 def lower_ends() -> list[str]:
-    """The least version of each dependency, pinned."""
+    """Return the requirement of the oldest allowed version of each dependency."""
     ranges = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
-    return [re.sub(r">=([\w.]+).*", r"==\1", each) for each in ranges]
+    return [re.sub(r">=([\w.]+).*", r"==\1", requirement) for requirement in ranges]
 
 
 def main() -> None:
-    """Install, check, count."""
+    """Install the versions, check generated/, and print the number of differences of each kind."""
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([sys.executable, "-m", "venv", folder], check=True)
         python = Path(folder) / "bin" / "python"
@@ -41,16 +41,16 @@ def main() -> None:
         subprocess.run([*install, "--no-deps", "--no-build-isolation", "-e", ROOT], check=True)
         check = [python, "-m", "stt_codegen.cli", "check", ROOT / "generated"]
         result = subprocess.run(check, capture_output=True, text=True, check=False)
-    names = DIFFERS.findall(result.stdout + result.stderr)
+    names = DIFFERENCE.findall(result.stdout + result.stderr)
     if result.returncode not in (0, 1) or (result.returncode == 1 and not names):
         sys.exit(result.stdout + result.stderr)
-    left = set(names)
-    for why, pattern in EXPECTED.items():
-        some = {name for name in left if pattern.match(name)}
-        left -= some
-        print(f"{len(some):3} files differ: {why}")
-    print(f"{len(left):3} other files differ", *sorted(left), sep="\n    ")
-    sys.exit(1 if left else 0)
+    unexpected = set(names)
+    for reason, pattern in EXPECTED_DIFFERENCES.items():
+        expected = {name for name in unexpected if pattern.match(name)}
+        unexpected -= expected
+        print(f"{len(expected):3} files differ: {reason}")
+    print(f"{len(unexpected):3} other files differ", *sorted(unexpected), sep="\n    ")
+    sys.exit(1 if unexpected else 0)
 
 
 if __name__ == "__main__":

@@ -27,12 +27,12 @@ from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
 
 ROOT = Path(__file__).resolve().parent.parent
-SHOWN = ("m0", "m3", "m4f", "rv32", "avr")
+DEFAULT_BOARDS = ("m0", "m3", "m4f", "rv32", "avr")
 TASKS = ("omni_s2", "crane")
 
 
 def limited(task: Task) -> Task:
-    """The task in integers, with a limit of u and a tick where it has none."""
+    """Return the task in integers, with a limit of u and a tick period where it has none."""
     limits = {"u_max": task.control.u_max or (Fraction(4),) * task.dimension}
     tick = {"tick_period": task.emit.tick_period or Fraction(1, 1000), "scalar": "fixed", "math": "libm"}
     tick |= {target.key: False for target in optional_targets()}
@@ -40,57 +40,59 @@ def limited(task: Task) -> Task:
 
 
 def in_floats(task: Task, math: str) -> EmittedController:
-    """The same task in single precision, by seconds."""
+    """Build the same task in single precision, with time in seconds. math: of the logarithm, libm or inline."""
     emit = {"scalar": "float", "math": math, "tick_period": None}
     return build_task(task.model_copy(update={"emit": task.emit.model_copy(update=emit)}))
 
 
-def cost(controller: EmittedController, name: str, board: Emulated) -> list[str]:
-    """Least, median and most of `control`; bytes of code, of tables in memory, and of stack."""
-    seen = board.counts["control"].summary()
+def cost_cells(controller: EmittedController, name: str, board: Emulated) -> list[str]:
+    """Return minimum, median and maximum cost of `control`, bytes of code, of tables in memory, and of stack, as text."""
+    call_cost = board.counts["control"].summary()
     code, tables, _ = sizes(controller, BOARDS[name])
-    return [f"{seen.minimum:,.0f} / {seen.median:,.0f} / {seen.maximum:,.0f}", f"{code:,}", f"{tables:,}", str(seen.stack)]
+    steps = f"{call_cost.minimum:,.0f} / {call_cost.median:,.0f} / {call_cost.maximum:,.0f}"
+    return [steps, f"{code:,}", f"{tables:,}", str(call_cost.stack)]
 
 
 def rows_of(name: str, boards: list[str], points: int) -> tuple[list[list[str]], bool]:
-    """The rows of one task, and whether every board gave the Python's bits."""
+    """Run one task on each board. Return its rows of the table, and whether every board gave the bits of the Python."""
     task = limited(load_task(ROOT / "tasks" / f"{name}.toml"))
-    made, good = build_task(task), True
-    tick, *states = ticks_and_states(made, made.design, points)
-    status, u = GeneratedPython(made).call("control", tick, *states)
-    unit = float(made.design.unit)  # type: ignore[union-attr]
+    controller, all_equal = build_task(task), True
+    tick, *states = ticks_and_states(controller, controller.design, points)
+    status, u = GeneratedPython(controller).call("control", tick, *states)
+    unit = float(controller.design.unit)  # type: ignore[union-attr]
     t = np.minimum(tick * float(task.emit.tick_period or 0), float(task.prescribed_time)).astype(np.float32)
-    floats = {kind: in_floats(task, kind) for kind in ("libm", "inline")}
+    float_controllers = {math: in_floats(task, math) for math in ("libm", "inline")}
     rows = []
-    for one in boards:
-        board = Emulated(made, BOARDS[one])
-        got = board.call("control", tick, *states)
-        same = bool((got[0] == status).all() and (got[1] == u).all())
-        good &= same
-        rows.append([f"{name}, {one}: integers", *cost(made, one, board), "yes" if same else "NO"])
-        for kind, controller in floats.items():
-            board = Emulated(controller, BOARDS[one])
+    for board_name in boards:
+        board = Emulated(controller, BOARDS[board_name])
+        board_status, board_u = board.call("control", tick, *states)
+        is_equal = bool((board_status == status).all() and (board_u == u).all())
+        all_equal &= is_equal
+        rows.append([f"{name}, {board_name}: integers", *cost_cells(controller, board_name, board), "yes" if is_equal else "NO"])
+        for math, float_controller in float_controllers.items():
+            board = Emulated(float_controller, BOARDS[board_name])
             board.call("control", t, *((v * unit).astype(np.float32) for v in states))
-            rows.append([f"{name}, {one}: float, {kind}", *cost(controller, one, board), "-"])
-    return rows, good
+            rows.append([f"{name}, {board_name}: float, {math}", *cost_cells(float_controller, board_name, board), "-"])
+    return rows, all_equal
 
 
 def main() -> int:
+    """Run all tasks, and print the table. Return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--task", nargs="+", default=list(TASKS))
     parser.add_argument("--points", type=int, default=400)
     parser.add_argument("--board", choices=tuple(BOARDS), action="append")
     parser.add_argument("--record", type=Path, metavar="FILE.md")
-    asked = parser.parse_args()
-    found = [rows_of(name, asked.board or list(SHOWN), asked.points) for name in asked.task]
+    options = parser.parse_args()
+    results = [rows_of(name, options.board or list(DEFAULT_BOARDS), options.points) for name in options.task]
     head = ["", "least / median / most seen", "code B", "tables B", "stack B", "the Python's bits"]
-    text = table(head, [row for rows, _ in found for row in rows])
+    text = table(head, [row for rows, _ in results for row in rows])
     print(text)
-    if asked.record:
+    if options.record:
         title = f"## Integers in place of floats\n\nMade by `{command()}`: `control`, -O2; {machine()}."
         title += " For avr cycles; there the integers' tables are in flash, and counted with the code."
-        record(asked.record, "fixed", f"{title}\n\n{text}")
-    return int(not all(good for _, good in found))
+        record(options.record, "fixed", f"{title}\n\n{text}")
+    return int(not all(all_equal for _, all_equal in results))
 
 
 if __name__ == "__main__":

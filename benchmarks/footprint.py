@@ -1,9 +1,9 @@
-"""Start-up, generation and size: seconds of `--help` and `generate` (median of nine processes), a step on this machine over one
-`logf` in the same process, bytes on a Cortex-M4F.
+"""Measure seconds of `--help` and `generate`, the time of a step on this machine, and bytes on a Cortex-M4F.
 
     python -m benchmarks footprint
 
-Bytes need arm-none-eabi-gcc and are of the float file of every example task at -O2, by function, tables apart.
+Seconds are the median of nine processes. The time of a step is compared with one `logf` in the same process. Bytes need
+arm-none-eabi-gcc. They are of the float file of every example task at -O2, for each function and for the tables.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ CORTEX_M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d
 
 
 def seconds(*arguments: str) -> float:
-    """Median wall time of nine runs of the command line."""
+    """Return the median wall time of nine runs of the command line with these arguments."""
     times = []
     for _ in range(9):
         begin = time.perf_counter()
@@ -34,7 +34,7 @@ def seconds(*arguments: str) -> float:
     return statistics.median(times)
 
 
-STEP = r"""
+STEP_PROGRAM = r"""
 #include <math.h>
 #include <stdio.h>
 #include <time.h>
@@ -45,7 +45,7 @@ int main(void)
 {
     volatile float sink = 0.0F;
     double step = 1e9, log1 = 1e9;
-    for (int round = 0; round < 9; round++) { /* the least of nine: what else the machine did is not ours */
+    for (int round = 0; round < 9; round++) { /* the smallest of nine, because other processes only add time */
         float u[2], x[2] = {0.4F, 0.4F};
         double begin = now();
         for (int k = 0; k < TURNS; k++) {
@@ -66,21 +66,21 @@ int main(void)
 
 
 def step_over_logarithm(task: Path) -> str:
-    """Nanoseconds of one refined `control` and of one `logf`, and their ratio; n = 2, -O2."""
+    """Return as text the nanoseconds of one refined `control` and of one `logf`, and their ratio; n = 2, -O2."""
     controller = build(task, "refined", "float")
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)
-        Path(folder, "main.c").write_text(STEP)
+        Path(folder, "main.c").write_text(STEP_PROGRAM)
         flags = ["-std=gnu99", "-ffp-contract=off", "-O2"]
         subprocess.run(["cc", *flags, "main.c", "omni_s2.c", "-o", "main", "-lm"], cwd=folder, check=True)
         result = subprocess.run([f"{folder}/main"], check=True, capture_output=True, text=True).stdout
-    step, logarithm = map(float, result.split())
+    step, logarithm = map(float, result.split())  # nanoseconds
     return f"{step:.3g} ns, one logf {logarithm:.3g} ns: {step / logarithm:.2g} times"
 
 
 def sections(task: Path, design: str) -> dict[str, int]:
-    """Bytes of each function (when nothing is inlined across them) and of the tables."""
+    """Return the bytes of each function and of the tables, by name; functions are not inlined into each other."""
     controller = build(task, design, "float", uncertified=True)
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
@@ -89,11 +89,12 @@ def sections(task: Path, design: str) -> dict[str, int]:
         flags = [*CORTEX_M4F, *STRICT, "-ffunction-sections", "-c"]
         subprocess.run(["arm-none-eabi-gcc", *flags, source, "-o", target], check=True)
         lines = subprocess.run(["arm-none-eabi-size", "-A", target], check=True, capture_output=True, text=True).stdout
-    found = (line.split() for line in lines.splitlines() if line.startswith((".text.", ".rodata")))
-    return {row[0].removeprefix(".text.").removeprefix(f"{controller.task.name}_"): int(row[1]) for row in found}
+    rows = (line.split() for line in lines.splitlines() if line.startswith((".text.", ".rodata")))
+    return {row[0].removeprefix(".text.").removeprefix(f"{controller.task.name}_"): int(row[1]) for row in rows}
 
 
 def main() -> None:
+    """Print all measurements."""
     with tempfile.TemporaryDirectory() as folder:
         print(f"--help    {seconds('--help'):.2f} s")
         print(f"generate  {seconds('generate', str(TASKS[0].with_name('omni_s1.toml')), '--out', folder):.2f} s")

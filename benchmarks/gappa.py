@@ -1,11 +1,11 @@
-"""A second opinion on P7: Gappa bounds the rounding of the C's statements, for every edge of every refined tube that is shipped.
+"""Check the error bands (P7) with Gappa: it bounds the rounding of the C's statements, for each edge of the shipped refined tubes.
 
     python -m benchmarks gappa [--folder generated] [--keep DIR]
 
-Of each C file it reads the table, the constants of time, and the statements of `basis` and `blend` as the stand-alone checker's
-reader finds them, and asks Gappa two things: that spline time is within 4 rounding errors of K, also where t was rounded; and, by
-dimension, that the statements lose no more than what the certificate's `edge_error` leaves beside that. Exit code 1 where Gappa
-cannot show it, 4 without Gappa. With --keep the scripts are left in DIR.
+From each C file it reads the table, the constants of time, and the statements of `basis` and `blend`, with the reader of the
+stand-alone checker. Gappa must prove that the spline time is within 4 rounding errors of K, also where t was rounded. It must
+also prove for each dimension that the statements lose no more than the remaining part of the certificate's `edge_error`. The exit code
+is 1 where Gappa does not prove it, 4 without Gappa. With --keep the scripts stay in DIR.
 """
 
 from __future__ import annotations
@@ -26,31 +26,35 @@ from stt_codegen.theorem.facts import Statement
 from stt_codegen.theorem.reading import read_kernels, read_spline_time
 
 ROOT = Path(__file__).parent.parent
-FORMATS = {"float": ("ieee_32", 24, 150), "double": ("ieee_64", 53, 1075)}
-PARTS = 16  # into so many [0, 1] is cut
+FORMATS = {  # Gappa's name, bits of the significand, exponent of the smallest number
+    "float": ("ieee_32", 24, 150),
+    "double": ("ieee_64", 53, 1075),
+}
+PARTS = 16  # of [0, 1], which Gappa treats one by one
 
 
 def dyadic(value: Fraction, toward: Callable[[Fraction], int] = math.floor) -> str:
-    """A number as Gappa reads it, m 2^e with 60 bits of m or fewer; one that needs more is rounded `toward`."""
+    """Return a number as Gappa reads it, m 2^e with at most 60 bits of m. toward: rounds a number that needs more."""
     exponent = value.numerator.bit_length() - value.denominator.bit_length() - 60
     return f"{toward(value / Fraction(2) ** exponent)}b{exponent}"
 
 
 def statements(code: tuple[Statement, ...]) -> str:
-    """Every value rounded (v) and not rounded (e)."""
+    """Return the statements as Gappa's definitions, with each value rounded (v) and exact (e)."""
     inputs = ["s", "q0", "q1", "q2", "q3"]
 
-    def named(kind: str, value: int, letter: str) -> str:
+    def operand_name(kind: str, value: int, letter: str) -> str:
         return str(value) if kind == "C" else inputs[value] if value < len(inputs) else f"{letter}{value}"
 
     lines = [f"{name} = rnd(d{name});" for name in inputs]
     for k, (sign, left, right) in enumerate(code, len(inputs)):
         for letter, equals in (("v", "rnd="), ("e", "=")):
-            lines.append(f"{letter}{k} {equals} {named(*left, letter)} {sign} {named(*right, letter)};")
+            lines.append(f"{letter}{k} {equals} {operand_name(*left, letter)} {sign} {operand_name(*right, letter)};")
     return "\n".join(lines)
 
 
 def blend_script(scalar: str, code: tuple[Statement, ...], largest: Fraction, bound: Fraction) -> str:
+    """Return the script that proves `bound` on the rounding of the statements, for table entries up to `largest`."""
     last = 4 + len(code)
     ranges = " /\\ ".join(f"|q{j}| <= {dyadic(largest)}" for j in range(4))
     return (
@@ -67,7 +71,8 @@ def time_script(scalar: str, rate: Fraction, per_second: Fraction, t_c: Fraction
     )
 
 
-def holds(script: str, keep: Path | None, name: str) -> bool:
+def is_proved(script: str, keep: Path | None, name: str) -> bool:
+    """Return whether Gappa proves the script. keep: folder in which the script is stored."""
     if keep is not None:
         keep.mkdir(parents=True, exist_ok=True)
         (keep / f"{name}.g").write_text(script)
@@ -77,29 +82,36 @@ def holds(script: str, keep: Path | None, name: str) -> bool:
     return done.returncode == 0
 
 
-def confirmed(folder: Path, task: Path, keep: Path | None) -> list[bool]:
-    """Of one controller: its time, and every dimension."""
+def gappa_answers(folder: Path, task: Path, keep: Path | None) -> list[bool]:
+    """Ask Gappa about one controller. Return whether it proves the bound on time, then the bound of each dimension."""
     name, scalar = task.stem, folder.name
     certificate = json.loads((folder / f"{name}.certificate.json").read_text())
-    known = checker.Task(task.read_bytes())
-    source = checker.Source((folder / f"{name}.c").read_bytes(), known, scalar == "float")
-    tube = checker.Tube(source, known, certificate["grid"]["unit_bits"], certificate["grid"].get("seam"))
-    _, bits, least = FORMATS[scalar]
-    eps, tiny = Fraction(1, 1 << bits), Fraction(1, 1 << least)
-    late = tube.segments * 4 * eps * (1 + eps) + tiny
-    rate, last = read_spline_time(source, known.n)
-    if not 0 < tube.segments - last <= late:
+    checked_task = checker.Task(task.read_bytes())
+    source = checker.Source((folder / f"{name}.c").read_bytes(), checked_task, scalar == "float")
+    tube = checker.Tube(source, checked_task, certificate["grid"]["unit_bits"], certificate["grid"].get("seam"))
+    _, bits, smallest_exponent = FORMATS[scalar]
+    eps, tiny = Fraction(1, 1 << bits), Fraction(1, 1 << smallest_exponent)
+    time_error = tube.segments * 4 * eps * (1 + eps) + tiny
+    rate, last = read_spline_time(source, checked_task.n)
+    if not 0 < tube.segments - last <= time_error:
         return [False]
-    said = f"{name}_{scalar}"
-    found = [holds(time_script(scalar, rate, tube.segments / known.t_c, known.t_c, late), keep, f"{said}_time")]
+    script_name = f"{name}_{scalar}"
+    answers = [
+        is_proved(
+            time_script(scalar, rate, tube.segments / checked_task.t_c, checked_task.t_c, time_error), keep, f"{script_name}_time"
+        )
+    ]
     for i, error in enumerate(certificate["edge_error"]):
         largest = max(abs(v) for row in tube.table for v in row[i]) * tube.unit
-        bound = error * tube.unit - late * tube.fastest(i) * tube.unit
-        found.append(bound > 0 and holds(blend_script(scalar, read_kernels(source), largest, bound), keep, f"{said}_{i + 1}"))
-    return found
+        bound = error * tube.unit - time_error * tube.fastest(i) * tube.unit
+        answers.append(
+            bound > 0 and is_proved(blend_script(scalar, read_kernels(source), largest, bound), keep, f"{script_name}_{i + 1}")
+        )
+    return answers
 
 
 def main() -> int:
+    """Ask Gappa about every shipped refined controller. Return the exit code."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--folder", type=Path, default=ROOT / "generated")
     parser.add_argument("--keep", type=Path)
@@ -107,14 +119,14 @@ def main() -> int:
     if shutil.which("gappa") is None:
         print("gappa is not found; install (Debian names): gappa", file=sys.stderr)
         return 4
-    begin, asked, refused = time.perf_counter(), 0, []
+    begin, bound_count, refused = time.perf_counter(), 0, []
     for folder in sorted(p for scalar in FORMATS for p in options.folder.glob(f"*/refined/{scalar}")):
         name = folder.parents[1].name
-        answers = confirmed(folder, ROOT / "tasks" / f"{name}.toml", options.keep)
-        asked += len(answers)
+        answers = gappa_answers(folder, ROOT / "tasks" / f"{name}.toml", options.keep)
+        bound_count += len(answers)
         if not all(answers):
             refused.append(str(folder))
-    print(f"Gappa: {asked} bounds asked for, of P7 of the shipped files; {len(refused)} files are not confirmed")
+    print(f"Gappa: {bound_count} bounds of P7 in the shipped files; {len(refused)} files are not confirmed")
     print(f"{time.perf_counter() - begin:.0f} s" + "".join(f"\nnot confirmed: {name}" for name in refused))
     return bool(refused)
 

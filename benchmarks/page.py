@@ -1,7 +1,9 @@
-"""The report's figures: seconds to make it, bytes, bytes of WebAssembly, seconds to the first picture, frames a second while the
-slider moves, for an example, for 300 sets in the plane and in space.
+"""Measure the HTML report: seconds to write it, bytes, bytes of WebAssembly, seconds to the first picture, frames a second.
 
     python -m benchmarks page [--record FILE.md]
+
+The tasks are four examples, and 300 sets in the plane and in space. The frames are those while the slider of time moves. It needs
+chromium, and ends with exit code 4 without it.
 """
 
 from __future__ import annotations
@@ -25,11 +27,11 @@ from playwright.sync_api import sync_playwright
 from benchmarks.suites.report import command, machine, record, table
 
 ROOT = Path(__file__).parent.parent
-SETS, SIZE = 300, 40.0
-FRAMES = 200
-PICTURE = """() => new Promise((done) => requestAnimationFrame(() => setTimeout(
+SET_COUNT, SIDE = 300, 40.0  # of the tasks with many sets: unsafe boxes, and width of the state space
+FRAMES = 200  # while the slider moves
+FIRST_PICTURE = """() => new Promise((done) => requestAnimationFrame(() => setTimeout(
   () => done([performance.now(), performance.getEntriesByType('navigation')[0].responseEnd]), 0)))"""
-SLIDE = """(frames) => new Promise((done) => {
+MOVE_SLIDER = """(frames) => new Promise((done) => {
   const slider = document.getElementById('time'), begin = performance.now();
   let k = 0;
   const step = () => {
@@ -41,42 +43,50 @@ SLIDE = """(frames) => new Promise((done) => {
 })"""
 
 
-def crowded(name: str, dimension: int) -> str:
-    """A task with SETS boxes, none near the start or the target."""
-    chance, found = random.Random(3), list[str]()
-    while len(found) < SETS:
-        lower = [round(chance.uniform(0, SIZE - 1.2), 2) for _ in range(dimension)]
-        upper = [round(v + chance.uniform(0.4, 1.2), 2) for v in lower]
-        if not (max(lower) < 4.5 or min(upper) > SIZE - 5):
-            found.append(f'[[unsafe]]\nname = "B{len(found)}"\nlower = {lower}\nupper = {upper}\n')
-    ends = {"state_space": (0, SIZE), "initial_set": (1.5, 2.5), "target_set": (SIZE - 3, SIZE - 1)}
+def task_with_many_sets(name: str, dimension: int) -> str:
+    """Return the text of a task with SET_COUNT boxes, none near the start or the target."""
+    rng, boxes = random.Random(3), list[str]()
+    while len(boxes) < SET_COUNT:
+        lower = [round(rng.uniform(0, SIDE - 1.2), 2) for _ in range(dimension)]
+        upper = [round(v + rng.uniform(0.4, 1.2), 2) for v in lower]
+        if not (max(lower) < 4.5 or min(upper) > SIDE - 5):
+            boxes.append(f'[[unsafe]]\nname = "B{len(boxes)}"\nlower = {lower}\nupper = {upper}\n')
+    ends = {"state_space": (0, SIDE), "initial_set": (1.5, 2.5), "target_set": (SIDE - 3, SIDE - 1)}
     lines = [f'name = "{name}"', "prescribed_time = 40", f"initial_state = {[2.0] * dimension}"]
     lines += [f"{key} = {{ lower = {[a] * dimension}, upper = {[b] * dimension} }}" for key, (a, b) in ends.items()]
-    return "\n".join([*lines, *found])
+    return "\n".join([*lines, *boxes])
 
 
-def measured(browser: Any, task: Path, folder: Path) -> list[str]:
-    """One row."""
+def report_row(browser: Any, task: Path, folder: Path) -> list[str]:
+    """Write the report of a task and show it in the browser. Return the task's row of the table."""
     path = folder / f"{task.stem}.html"
     begin = time.perf_counter()
     subprocess.run([sys.executable, "-m", "stt_codegen.cli", "report", task, "--out", path], check=True, capture_output=True)
     seconds = time.perf_counter() - begin
     text = path.read_text()
-    found = re.search(r'<script id="data" type="application/json">(.*?)</script>', text, re.S)
-    assert found is not None
-    drive = json.loads(found[1])["drive"]
+    data = re.search(r'<script id="data" type="application/json">(.*?)</script>', text, re.S)
+    assert data is not None
+    drive = json.loads(data[1])["drive"]
     wasm = len(base64.b64decode(drive["wasm"])) if drive else 0
     page = browser.new_page(viewport={"width": 1280, "height": 900})
-    first = []
+    picture_seconds = []
     for _ in range(5):
         page.goto(path.as_uri())
-        first.append(page.evaluate(PICTURE)[0] / 1000)
-    rate = page.evaluate(SLIDE, FRAMES)
+        picture_seconds.append(page.evaluate(FIRST_PICTURE)[0] / 1000)
+    rate = page.evaluate(MOVE_SLIDER, FRAMES)
     page.close()
-    return [task.stem, f"{seconds:.1f}", f"{len(text.encode()):,}", f"{wasm:,}", f"{statistics.median(first):.2f}", f"{rate:.0f}"]
+    return [
+        task.stem,
+        f"{seconds:.1f}",
+        f"{len(text.encode()):,}",
+        f"{wasm:,}",
+        f"{statistics.median(picture_seconds):.2f}",
+        f"{rate:.0f}",
+    ]
 
 
 def main() -> int:
+    """Measure all tasks, and print the table. Return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--record", type=Path, metavar="FILE.md", help="put the table into this file")
     options = parser.parse_args()
@@ -86,12 +96,12 @@ def main() -> int:
         return 4
     with tempfile.TemporaryDirectory() as name, sync_playwright() as play:
         folder = Path(name)
-        tasks = [ROOT / "tasks" / f"{one}.toml" for one in ("omni_s2", "drone", "courier", "watchman")]
+        tasks = [ROOT / "tasks" / f"{example}.toml" for example in ("omni_s2", "drone", "courier", "watchman")]
         for task, dimension in (("flat300", 2), ("solid300", 3)):
-            (folder / f"{task}.toml").write_text(crowded(task, dimension))
+            (folder / f"{task}.toml").write_text(task_with_many_sets(task, dimension))
             tasks.append(folder / f"{task}.toml")
         browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        rows = [measured(browser, task, folder) for task in tasks]
+        rows = [report_row(browser, task, folder) for task in tasks]
         browser.close()
     heads = [
         "task",
@@ -104,8 +114,8 @@ def main() -> int:
     text = table(heads, rows)
     print(text)
     if options.record:
-        told = "flat300 and solid300 have 300 boxes in the plane and in space; a browser draws 60 frames a second at most."
-        record(options.record, "page", f"## The report\n\nMade by `{command()}`; {machine()}.\n\n{text}\n\n{told}")
+        note = "flat300 and solid300 have 300 boxes in the plane and in space; a browser draws 60 frames a second at most."
+        record(options.record, "page", f"## The report\n\nMade by `{command()}`; {machine()}.\n\n{text}\n\n{note}")
     return 0
 
 

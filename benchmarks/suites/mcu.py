@@ -266,7 +266,8 @@ def run_mcu(boards: list[str] | None, points: int, out: Path | None, as_json: bo
     parts = [
         "## Microcontrollers\n\n"
         f"Made by `{command()}`: `control` of the paper's arena {PAPER_CASE[1]} (n = 2, 4 obstacles), -O2, {points} random "
-        "points, the edges and a closed loop; emulated, so the same in every run. Instructions, for avr cycles. Bytes are of `control` "
+        "points, the edges and a closed loop; emulated, so the same in every run. Instructions, for avr cycles. "
+        "Bytes are of `control` "
         "and all it calls, without the C library; stack is painted, with it. agrees: within "
         "every bound of `compare` on that board.",
         table((*HEADINGS, "most at"), [table_row(v, f"{v.board}: {v.label}", True) for v in costs]),

@@ -82,7 +82,7 @@ def test_the_size_of_control_is_its_code_and_its_table(board: Any) -> None:
 def test_a_small_run_has_complete_tables(board: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(mcu, "VARIANTS", mcu.VARIANTS[:2])
     monkeypatch.setattr(mcu, "DIMENSIONS", (1, 3))
-    monkeypatch.setattr(mcu, "CROWDS", (("empty", 0), ("paper", 4)))
+    monkeypatch.setattr(mcu, "OBSTACLE_COUNTS", (("empty", 0), ("paper", 4)))
     result = CliRunner().invoke(suites, ["mcu", "--board", "m4f", "--points", "40", "--json"])
     assert result.exit_code == 0
     document = json.loads(result.stdout)
@@ -109,9 +109,9 @@ def test_a_controller_beyond_its_bounds_is_an_exit_code(board: Any, monkeypatch:
         return controller
 
     original = mcu.arena_controller
-    monkeypatch.setattr(mcu, "variant", wrong_variant)
-    monkeypatch.setattr(mcu, "beside", lambda *_: [])
-    monkeypatch.setattr(mcu, "growth", lambda *_: ([], []))
+    monkeypatch.setattr(mcu, "arena_controller", wrong_variant)
+    monkeypatch.setattr(mcu, "rival_costs", lambda *_: [])
+    monkeypatch.setattr(mcu, "growth_costs", lambda *_: ([], []))
     monkeypatch.setattr(mcu, "VARIANTS", mcu.VARIANTS[:1])
     result = CliRunner().invoke(suites, ["mcu", "--board", "m4f", "--points", "40"])
     assert result.exit_code == 1
