@@ -1,4 +1,4 @@
-"""The command line: exit codes, one message, one JSON document, and quick help."""
+"""The command line: exit codes, one message, one JSON document, and help without slow imports."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from tests.support.controllers import ROOT
 TASK = str(ROOT / "tasks" / "omni_s1.toml")
 
 
-def test_help_imports_none_of_the_heavy_packages() -> None:
-    """Help within 0.3 s is a matter of imports, which is what can be tested exactly."""
+def test_help_imports_no_heavy_package() -> None:
+    """Help is fast because of this, and imports can be tested exactly, unlike time."""
     code = (
         "import sys; sys.argv = ['stt-codegen', '--help']\n"
         "from stt_codegen.cli.main import main\n"
@@ -33,7 +33,7 @@ def test_help_imports_none_of_the_heavy_packages() -> None:
 
 
 def one_message(result: CommandResult) -> str:
-    """The one line of a refusal; a word of patience may stand before it where a machine is slow."""
+    """Return the one line of a refusal; lines of progress may precede it on a slow machine."""
     lines = [line for line in result.stderr.splitlines() if line and not re.fullmatch(r"  \w+ .*: \d+ s \.\.\.", line)]
     assert len(lines) == 1, result.stderr
     assert lines[0].startswith("stt-codegen: ")
@@ -77,7 +77,7 @@ def test_an_unknown_option_is_exit_code_2() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (("desing",), "desing"),
         (("simulate", TASK, "--w-max", "-1"), "--w-max"),
@@ -88,16 +88,16 @@ def test_an_unknown_option_is_exit_code_2() -> None:
         (("check", "nowhere"), "nowhere"),
     ],
 )
-def test_what_cannot_be_done_is_said_in_the_json_document_too(arguments: tuple[str, ...], told: str) -> None:
+def test_a_refusal_is_in_the_json_document_too(arguments: tuple[str, ...], message: str) -> None:
     result = run_command(*arguments, "--json")
     document = json.loads(result.stdout)
     assert document["exit_code"] == result.returncode in (2, 3)
-    assert told in document["error"]
+    assert message in document["error"]
 
 
 @pytest.mark.slow
-def test_a_reader_who_has_seen_enough_is_no_error() -> None:
-    """The pipe is closed before anything is written: what comes out at once, and what comes while a command runs."""
+def test_a_closed_pipe_is_no_error() -> None:
+    """The pipe is closed before anything is written; some commands print at once, others while they run."""
     for arguments in (("schema",), ("--help",), ("design", TASK), ("check", "generated")):
         reader, writer = os.pipe()
         os.close(reader)
@@ -106,24 +106,24 @@ def test_a_reader_who_has_seen_enough_is_no_error() -> None:
             result = subprocess.run(command, cwd=ROOT, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
         finally:
             os.close(writer)
-        beside = [line for line in result.stderr.splitlines() if not line.endswith(" s ...")]  # but for how long it takes
-        assert (result.returncode, beside) == (0, []), arguments
+        messages = [line for line in result.stderr.splitlines() if not line.endswith(" s ...")]  # without lines of progress
+        assert (result.returncode, messages) == (0, []), arguments
 
 
-def test_compare_says_in_one_line_that_all_agree_and_the_rest_when_asked() -> None:
+def test_compare_prints_one_line_and_with_verbose_a_table() -> None:
     lines = run_command("compare", TASK, "--points", "50").stdout.splitlines()
     assert len(lines) == 1
     assert all(backend in lines[0] for backend in ("CasADi", "Python", "C double", "C float"))
     assert len(run_command("compare", TASK, "--points", "50", "--verbose").stdout.splitlines()) > 8
 
 
-def test_a_defect_of_ours_is_exit_code_5_without_a_traceback(monkeypatch, capsys) -> None:
+def test_a_defect_of_the_tool_is_exit_code_5_without_a_traceback(monkeypatch, capsys) -> None:
     from stt_codegen.cli import main as cli
 
-    def broken(*_: object) -> None:
+    def fail(*_: object) -> None:
         raise RuntimeError("boom")
 
-    monkeypatch.setattr(cli, "_exit_code", broken)
+    monkeypatch.setattr(cli, "_exit_code", fail)
     monkeypatch.delenv("STT_CODEGEN_DEBUG", raising=False)
     with pytest.raises(SystemExit) as caught:
         cli.main()
@@ -131,7 +131,7 @@ def test_a_defect_of_ours_is_exit_code_5_without_a_traceback(monkeypatch, capsys
     assert "internal error: RuntimeError: boom" in capsys.readouterr().err
 
 
-def test_every_command_speaks_one_json_document(tmp_path) -> None:
+def test_every_command_prints_one_json_document(tmp_path) -> None:
     report = json.loads(run_command("design", TASK, "--json").stdout)
     assert report["certified"] is True
     assert [p["property"] for p in report["properties"]] == ["P1", "P2", "P2", "P3", "P4", "P5", "P6", "P7"]
@@ -141,8 +141,8 @@ def test_every_command_speaks_one_json_document(tmp_path) -> None:
     rows = json.loads(run_command("compare", TASK, "--points", "50", "--json").stdout)
     assert rows["within_bounds"] is True
     assert json.loads(run_command("schema").stdout)["title"] == "stt_codegen task"
-    run_command("generate", TASK, "--record", str(tmp_path / "kept"))
-    checked = json.loads(run_command("check", str(tmp_path / "kept"), "--json").stdout)
+    run_command("generate", TASK, "--record", str(tmp_path / "recorded"))
+    checked = json.loads(run_command("check", str(tmp_path / "recorded"), "--json").stdout)
     assert checked["differences"] == []
 
 
@@ -154,14 +154,14 @@ def test_design_shows_the_tube_and_draws_it(tmp_path) -> None:
     assert (tmp_path / "new" / "omni_s1.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_uncertified_flag_does_not_unsay_a_certificate_that_holds(tmp_path) -> None:
+def test_with_the_uncertified_flag_a_certificate_that_holds_stays(tmp_path) -> None:
     result = run_command("generate", TASK, "--uncertified", "--out", str(tmp_path))
     assert result.returncode == 0
     assert b"NOT CERTIFIED" not in (tmp_path / "omni_s1.c").read_bytes()
 
 
-def test_a_start_that_is_not_covered_is_told_by_axis_and_amount(tmp_path: Path) -> None:
-    """The post is 0.02 beside the initial set and the clearance is 0.05, so the rim is 0.03 and what the grid rounds by."""
+def test_a_start_that_is_not_covered_is_reported_by_axis_and_amount(tmp_path: Path) -> None:
+    """The post is 0.02 from the initial set and the clearance is 0.05, so that 0.03, and the rounding of the grid, are not covered."""
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
     head = text[: text.index("[state_space]")]
     near = (
@@ -173,5 +173,5 @@ def test_a_start_that_is_not_covered_is_told_by_axis_and_amount(tmp_path: Path) 
     result = run_command("design", str(tmp_path / "near.toml"), "--json")
     left_out = json.loads(result.stdout)["start_left_out"]
     assert 0.03 <= left_out[0] < 0.0301
-    shown = run_command("design", str(tmp_path / "near.toml")).stdout
-    assert f"up to {left_out[0]:.3g} in x1" in shown
+    printed = run_command("design", str(tmp_path / "near.toml")).stdout
+    assert f"up to {left_out[0]:.3g} in x1" in printed

@@ -1,4 +1,4 @@
-"""Every command that is registered: it is explained, named on the first page, and speaks JSON."""
+"""Every registered command has a description, stands in README.md and can print JSON."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from stt_codegen.cli.design_commands import COMMANDS as DESIGNS
 from tests.support.controllers import ROOT
 
 README = (ROOT / "README.md").read_text()
-JSON_ALONE = {"schema"}  # what it prints is a JSON document
+ALWAYS_JSON = {"schema"}  # it needs no option for it
 
 
 @pytest.mark.parametrize("command", [*DESIGNS, *CHECKS], ids=lambda command: command.__name__.rstrip("_"))
-def test_a_command_is_explained_and_named_and_speaks_json(command) -> None:
+def test_a_command_is_described_listed_in_the_readme_and_prints_json(command) -> None:
     name = command.__name__.rstrip("_")
     assert len((inspect.getdoc(command) or "").split()) > 4
     assert f"stt-codegen {name}" in README
-    assert "json" in inspect.signature(command).parameters or name in JSON_ALONE
+    assert "json" in inspect.signature(command).parameters or name in ALWAYS_JSON
 
 
 def test_every_file_of_a_command_is_listed() -> None:
-    """A command is a file with a function of its name; `map` would hide Python's own."""
+    """The file of a command has its name, except that of `map`, whose name would hide Python's function."""
     for commands, folder in ((DESIGNS, "design_commands"), (CHECKS, "check_commands")):
         files = {path.stem for path in (ROOT / "stt_codegen" / "cli" / folder).glob("[!_]*.py")}
         assert {"maps" if command.__name__ == "map_" else command.__name__ for command in commands} == files

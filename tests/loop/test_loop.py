@@ -1,4 +1,4 @@
-"""The closed loop: integrated accurately, judged rightly, disturbed within its bound; and what was proved for it holds."""
+"""The closed loop is integrated accurately, judged correctly and disturbed within its bound, and what was proved for it holds."""
 
 from __future__ import annotations
 
@@ -47,6 +47,7 @@ OMNI = load_task(ROOT / "tasks" / "omni_s2.toml")
 
 
 def signals(run: Run, n: int) -> dict[str, Any]:
+    """Return the columns of a trace by name: vectors x, u, lower, upper, w, and t and status."""
     assert run.trace is not None
     parts = np.split(run.trace[:, 1:-1], 5, axis=1)
     return {"t": run.trace[:, 0], **dict(zip(("x", "u", "lower", "upper", "w"), parts, strict=True)), "status": run.trace[:, -1]}
@@ -57,10 +58,10 @@ def signals(run: Run, n: int) -> dict[str, Any]:
 
 @pytest.mark.parametrize(("name", "plant"), PAIRS)
 def test_between_samples_the_plant_is_integrated_to_rounding(name: str, plant: str) -> None:
-    """Against SciPy's RK of order 8 at 1e-12, over single periods with the very u of the trace."""
-    own = loop(name, plant, scalar="double")
-    n, rate = own.controller.task.dimension, 50.0
-    s = signals(own.run(Scenario(rate=rate, disturbance="constant", strength=0.1, seed=5), trace=True), n)
+    """SciPy's RK of order 8 at 1e-12 integrates single periods, with the u of the trace, for comparison."""
+    closed = loop(name, plant, scalar="double")
+    n, rate = closed.controller.task.dimension, 50.0
+    s = signals(closed.run(Scenario(rate=rate, disturbance="constant", strength=0.1, seed=5), trace=True), n)
     from stt_codegen.plants import model
 
     evaluate = model(PLANTS[plant], n)
@@ -75,13 +76,13 @@ def test_between_samples_the_plant_is_integrated_to_rounding(name: str, plant: s
         assert np.abs(s["x"][k + 1] - exact).max() < 1e-11
 
 
-def test_u_is_what_the_emitted_controller_says_at_the_sample() -> None:
-    own = loop("omni_s2", scalar="double")
-    names: dict[str, Any] = {}
-    exec(own.controller.files["omni_s2.py"], names)
-    s = signals(own.run(Scenario(rate=100.0), trace=True), 2)
+def test_u_is_the_output_of_the_emitted_controller_at_the_sample() -> None:
+    closed = loop("omni_s2", scalar="double")
+    python: dict[str, Any] = {}
+    exec(closed.controller.files["omni_s2.py"], python)
+    s = signals(closed.run(Scenario(rate=100.0), trace=True), 2)
     for k in range(0, len(s["t"]) - 1, 50):
-        status, u = names["control"](s["t"][k], s["x"][k])
+        status, u = python["control"](s["t"][k], s["x"][k])
         assert status == s["status"][k]
         assert s["u"][k] == pytest.approx(u, rel=1e-9)
 
@@ -90,7 +91,7 @@ def test_u_is_what_the_emitted_controller_says_at_the_sample() -> None:
 
 
 @pytest.mark.parametrize("kind", DISTURBANCES)
-def test_a_disturbance_keeps_its_bound_and_uses_it(kind: str) -> None:
+def test_a_disturbance_stays_within_its_bound_and_reaches_it(kind: str) -> None:
     s = signals(loop("omni_s2").run(Scenario(rate=200.0, disturbance=kind, strength=0.3, seed=7), trace=True), 2)
     size = np.linalg.norm(s["w"][:-1], axis=1)
     assert size.max() <= 0.3 * (1 + 1e-12)
@@ -101,77 +102,80 @@ def test_a_disturbance_keeps_its_bound_and_uses_it(kind: str) -> None:
         assert np.ptp(s["w"][:-1], axis=0).max() == 0
 
 
-def boxes_of(own: Loop) -> list[np.ndarray]:
-    return [np.array([[float(v) for v in s.span(i)] for i in range(s.dimension)]) for s in own.controller.task.obstacles]
+def edges_of_obstacles(closed: Loop) -> list[np.ndarray]:
+    """Return lower and upper edges (n, 2) of every obstacle."""
+    return [np.array([[float(v) for v in s.span(i)] for i in range(s.dimension)]) for s in closed.controller.task.obstacles]
 
 
-def edges_of(box: BoxSet) -> np.ndarray:
+def edges_of_box(box: BoxSet) -> np.ndarray:
     return np.array([[float(v) for v in box.span(i)] for i in range(box.dimension)])
 
 
-def test_nearest_points_at_what_is_nearest() -> None:
-    own = loop("omni_s2")
-    s = signals(own.run(Scenario(rate=100.0, disturbance="nearest", strength=0.2, seed=1), trace=True), 2)
-    boxes, space = boxes_of(own), edges_of(own.controller.task.free_space)
+def test_the_disturbance_nearest_acts_toward_the_nearest_obstacle_or_wall() -> None:
+    closed = loop("omni_s2")
+    s = signals(closed.run(Scenario(rate=100.0, disturbance="nearest", strength=0.2, seed=1), trace=True), 2)
+    boxes, space = edges_of_obstacles(closed), edges_of_box(closed.controller.task.free_space)
     for x, w in zip(s["x"][:-1:40], s["w"][:-1:40], strict=True):
-        ways = [np.clip(x, box[:, 0], box[:, 1]) - x for box in boxes]
-        ways += [sign * np.eye(2)[i] * abs(space[i, side] - x[i]) for i in range(2) for side, sign in ((0, -1), (1, 1))]
-        way = min(ways, key=np.linalg.norm)
-        assert w / 0.2 == pytest.approx(way / np.linalg.norm(way), abs=1e-9)
+        directions = [np.clip(x, box[:, 0], box[:, 1]) - x for box in boxes]
+        directions += [sign * np.eye(2)[i] * abs(space[i, side] - x[i]) for i in range(2) for side, sign in ((0, -1), (1, 1))]
+        nearest = min(directions, key=np.linalg.norm)
+        assert w / 0.2 == pytest.approx(nearest / np.linalg.norm(nearest), abs=1e-9)
 
 
 def test_runs_repeat_and_seeds_differ() -> None:
-    own = loop("omni_s2")
+    closed = loop("omni_s2")
     for kind in ("constant", "sinusoidal", "random"):
-        one, again, other = (own.run(Scenario(rate=500.0, disturbance=kind, strength=0.3, seed=seed)) for seed in (3, 3, 4))
-        assert one == again
-        assert one != other
+        run, repeated, other_seed = (
+            closed.run(Scenario(rate=500.0, disturbance=kind, strength=0.3, seed=seed)) for seed in (3, 3, 4)
+        )
+        assert run == repeated
+        assert run != other_seed
 
 
-def test_lost_samples_hold_the_input_and_never_more_in_a_row() -> None:
+def test_lost_samples_hold_the_input_for_at_most_the_stated_number_in_a_row() -> None:
     s = signals(loop("omni_s2").run(Scenario(rate=500.0, disturbance="sinusoidal", strength=0.2, seed=2, lost=3), trace=True), 2)
-    same = (np.diff(s["u"][:-1], axis=0) == 0).all(axis=1)
-    longest = max(len(list(group)) for held, group in itertools.groupby(same) if held)
+    repeats_input = (np.diff(s["u"][:-1], axis=0) == 0).all(axis=1)
+    longest = max(len(list(group)) for holds, group in itertools.groupby(repeats_input) if holds)
     assert 1 <= longest <= 3
-    assert same.mean() > 0.3
+    assert repeats_input.mean() > 0.3
 
 
 # ------------------------------------------------------------------------------------------------ verdicts
 
 
-@pytest.mark.parametrize("behind", [0, 1, 2, 7])
-def test_latency_shifts_the_input_by_that_time(behind: int) -> None:
-    """With a plant that integrates u alone the state shows when an input began to act: a quarter of a period after `behind` whole
-    ones, the first at once."""
-    own = loop("omni_s2")
-    late = signals(own.run(Scenario(rate=50.0, latency=0.005 + 0.02 * behind), trace=True), 2)
-    step = np.diff(late["x"][1 + behind :], axis=0)
+@pytest.mark.parametrize("full_periods", [0, 1, 2, 7])
+def test_latency_shifts_the_input_by_that_time(full_periods: int) -> None:
+    """A plant that only integrates u shows when an input begins to act: a quarter of a period after `full_periods` periods, and the
+    first input at once."""
+    closed = loop("omni_s2")
+    late = signals(closed.run(Scenario(rate=50.0, latency=0.005 + 0.02 * full_periods), trace=True), 2)
+    step = np.diff(late["x"][1 + full_periods :], axis=0)
     u = late["u"][: len(step) + 1]
     assert len(step) > 100
     assert np.allclose(step, 0.005 * u[:-1] + 0.015 * u[1:], atol=1e-12)
-    assert np.allclose(np.diff(late["x"][: 2 + behind], axis=0), 0.02 * u[0], atol=1e-12)
+    assert np.allclose(np.diff(late["x"][: 2 + full_periods], axis=0), 0.02 * u[0], atol=1e-12)
 
 
 @pytest.mark.parametrize("design", ["refined", "literal"])
 def test_verdicts_agree_with_the_trace(design: str) -> None:
-    """Judged again from the samples alone: what is met there must have been reported, at that time or before."""
-    own = loop("omni_s1", design=design)
-    run = own.run(Scenario(rate=1000.0, disturbance="nearest", strength=0.3, seed=1), trace=True)
+    """The samples are judged again by this test: a violation at a sample must have been reported at that time or before."""
+    closed = loop("omni_s1", design=design)
+    run = closed.run(Scenario(rate=1000.0, disturbance="nearest", strength=0.3, seed=1), trace=True)
     s = signals(run, 2)
-    inside = [((box[:, 0] < s["x"]) & (s["x"] < box[:, 1])).all(axis=1) for box in boxes_of(own)]
+    inside = [((box[:, 0] < s["x"]) & (s["x"] < box[:, 1])).all(axis=1) for box in edges_of_obstacles(closed)]
     hits = [s["t"][np.argmax(v)] for v in inside if v.any()]
     assert (run.hit is not None) or not hits
     assert not hits or (run.hit_at is not None and run.hit_at <= min(hits))
-    space, target = (edges_of(box) for box in (own.controller.task.free_space, own.controller.task.target))
-    out = ((s["x"] < space[:, 0]) | (s["x"] > space[:, 1])).any(axis=1)
-    assert (run.left_at is not None) or not out.any()
+    space, target = (edges_of_box(box) for box in (closed.controller.task.free_space, closed.controller.task.target))
+    is_outside = ((s["x"] < space[:, 0]) | (s["x"] > space[:, 1])).any(axis=1)
+    assert (run.left_at is not None) or not is_outside.any()
     width = s["upper"] - s["lower"]
     share = (np.minimum(s["x"] - s["lower"], s["upper"] - s["x"]) / np.where(width > 0, width, 1)).min()
     assert run.margin <= share + 1e-9 or (width <= 0).any()
     assert run.reached == bool(((target[:, 0] <= s["x"][-1]) & (s["x"][-1] <= target[:, 1])).all())
     assert (np.abs(s["u"][:-1]).max(axis=0) <= np.array(run.u)).all()
     if design == "literal":
-        assert run.hit is not None or run.left_at is not None  # the printed rule, in closed loop
+        assert run.hit is not None or run.left_at is not None  # the printed rule fails in closed loop
     else:
         assert run.good
         assert run.kept
@@ -179,25 +183,25 @@ def test_verdicts_agree_with_the_trace(design: str) -> None:
 
 @pytest.mark.parametrize(("name", "plant"), PAIRS)
 @pytest.mark.parametrize("kind", [k for k in DISTURBANCES if k != "none"])
-def test_what_is_proved_beforehand_holds_in_the_loop(name: str, plant: str, kind: str) -> None:
-    """At the proved period, at the proposed gain, from starts all over the share, with lost samples: |e| and |u| below their
-    bounds."""
+def test_bounds_proved_beforehand_hold_in_the_loop(name: str, plant: str, kind: str) -> None:
+    """|e| and |u| stay below their bounds at the proved period and the proposed gain, from starts all over the start share, with lost
+    samples."""
     strength, noise = 0.1, 0.001
     windy = with_disturbance_bound(PLANTS[plant], strength)
     best = Analysis(controller(name), windy, noise).gains.longest
     if best is None:
         assert (name, plant) == ("omni_s3", "arm") and kind  # noqa: PT018
         return
-    made = with_gain(controller(name), best[0].tolist())
-    prompt = Analysis(made, windy, noise).period
+    with_best_gain = with_gain(controller(name), best[0].tolist())
+    prompt = Analysis(with_best_gain, windy, noise).period
     assert prompt is not None
     latency = 0.1 * prompt.seconds
-    late = Analysis(made, windy, noise, latency).period
+    late = Analysis(with_best_gain, windy, noise, latency).period
     assert late is not None
     assert latency < late.seconds < prompt.seconds
-    own = Loop(made, PLANTS[plant])
+    closed = Loop(with_best_gain, PLANTS[plant])
     for seed, lost, (proved, wait) in itertools.product(range(2), (0, 1), ((prompt, 0.0), (late, latency))):
-        start = random_start(made.certificate.start, float(made.task.initial_set.share), seed)
+        start = random_start(with_best_gain.certificate.start, float(with_best_gain.task.initial_set.share), seed)
         scenario = Scenario(
             rate=(lost + 1) / (proved.seconds - wait),
             disturbance=kind,
@@ -209,59 +213,59 @@ def test_what_is_proved_beforehand_holds_in_the_loop(name: str, plant: str, kind
             latency=wait,
         )
         assert scenario.age == pytest.approx(proved.seconds)
-        run = own.run(scenario)
+        run = closed.run(scenario)
         assert run.good
         assert all(a < b for a, b in zip(run.e, proved.e, strict=True))
         assert all(a <= b for a, b in zip(run.u, proved.u, strict=True))
 
 
 @pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "spacecraft"])
-def test_what_is_called_proved_holds_from_any_start_at_any_rate(name: str) -> None:
-    """Starts all over gamma(0), its corners too, rates about the proved ones: a run that is foretold as proved keeps its tube and
-    its bound on |e|; and some are not foretold, and fail."""
-    own, told, failed = loop(name), 0, 0
-    gamma = own.controller.certificate.start
+def test_runs_that_are_foretold_as_proved_keep_tube_and_bound(name: str) -> None:
+    """Starts are all over the tube at 0, also in its corners, and rates are near the proved ones. Some runs that are not foretold as
+    proved leave the tube."""
+    closed, proved_runs, failed_runs = loop(name), 0, 0
+    gamma = closed.controller.certificate.start
     draw = np.random.default_rng(11)
     for k in range(24):
         share = draw.uniform(0.3, 0.985)
         scenario = Scenario(rate=10 ** draw.uniform(1.3, 4.0), start=random_start(gamma, share, k, corner=k % 2 == 0))
-        (line,) = describe_proof(own.controller, PLANTS["integrator"], scenario)[-1:]
-        run = own.run(scenario)
+        (line,) = describe_proof(closed.controller, PLANTS["integrator"], scenario)[-1:]
+        run = closed.run(scenario)
         if line.startswith("proved"):
             bounds = [float(v) for v in line.partition("below ")[2].partition(", with")[0].split(", ")]
             (age,) = re.findall(r"samples up to ([\d.e+-]+) ms old;", line)  # the bound is for this age, not for the longest
             assert float(age) == pytest.approx(1e3 * scenario.age, rel=1e-6)
             assert run.good
             assert all(a < b for a, b in zip(run.e, bounds, strict=True))
-            told += 1
+            proved_runs += 1
         else:
-            failed += not run.kept
-    assert told >= 4
-    assert failed >= 1
+            failed_runs += not run.kept
+    assert proved_runs >= 4
+    assert failed_runs >= 1
 
 
-def test_inside_the_initial_set_a_run_at_the_period_of_the_state_alone_hits_and_was_not_foretold_to_hold() -> None:
+def test_a_period_proved_only_from_initial_state_is_not_foretold_for_the_initial_set() -> None:
     """From (0.0015, 4.5015) at 60 Hz the state enters O1; the period that is proved from initial_state says nothing about it."""
-    own, scenario = loop("omni_s1"), Scenario(rate=60, start=(0.0015, 4.5015))
-    analysis = Analysis(own.controller)
+    closed, scenario = loop("omni_s1"), Scenario(rate=60, start=(0.0015, 4.5015))
+    analysis = Analysis(closed.controller)
     assert analysis.from_initial_state is not None
     assert scenario.age < analysis.from_initial_state.seconds
-    assert own.run(scenario).hit == "O1"
+    assert closed.run(scenario).hit == "O1"
     assert analysis.period is not None
     assert analysis.period.seconds < scenario.age
-    assert "no sampling period is proved" in describe_proof(own.controller, PLANTS["integrator"], scenario)[-1]
+    assert "no sampling period is proved" in describe_proof(closed.controller, PLANTS["integrator"], scenario)[-1]
 
 
-def test_a_period_that_is_much_too_long_fails_and_was_not_proved() -> None:
-    own, windy = loop("omni_s2"), with_disturbance_bound(PLANTS["integrator"], 0.3)
-    period = Analysis(own.controller, windy).period
+def test_twenty_times_the_proved_period_leaves_the_tube() -> None:
+    closed, windy = loop("omni_s2"), with_disturbance_bound(PLANTS["integrator"], 0.3)
+    period = Analysis(closed.controller, windy).period
     assert period is not None
-    run = own.run(Scenario(rate=0.05 / period.seconds, disturbance="outward", strength=0.3, seed=1))
+    run = closed.run(Scenario(rate=0.05 / period.seconds, disturbance="outward", strength=0.3, seed=1))
     assert not run.kept
 
 
 @pytest.mark.parametrize(("gain", "rate"), [("0.0005", "1000"), ("90", "1000")])
-def test_a_gain_far_off_is_told_beforehand_and_then_fails(gain: str, rate: str, tmp_path: Path) -> None:
+def test_a_wrong_gain_is_foretold_as_not_proved_and_fails(gain: str, rate: str, tmp_path: Path) -> None:
     task = str(ROOT / "tasks" / "omni_s2.toml")
     arguments = ["simulate", task, "--gain", gain, "--rate", rate, "--disturbance", "outward", "--w-max", "0.3", "--json"]
     result = CliRunner().invoke(app, arguments)
@@ -271,26 +275,26 @@ def test_a_gain_far_off_is_told_beforehand_and_then_fails(gain: str, rate: str, 
 
 
 @pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "omni_s3", "omni_heading"])
-def test_what_is_foretold_is_never_more_than_what_is_proved(name: str) -> None:
-    """Rounded to the nearest instead of down, half of these gains would print a longer period than the proved one."""
-    plant, told = with_disturbance_bound(PLANTS["integrator"], 0.05), 0
+def test_foretold_periods_are_rounded_down_to_at_most_the_proved_ones(name: str) -> None:
+    """With rounding to the nearest half of these gains would print a longer period than the proved one."""
+    plant, count = with_disturbance_bound(PLANTS["integrator"], 0.05), 0
     for k in range(8):
-        made = with_gain(controller(name), [0.05 * 1.13**k] * controller(name).task.dimension)
+        changed = with_gain(controller(name), [0.05 * 1.13**k] * controller(name).task.dimension)
         scenario = Scenario(rate=1000.0, strength=0.05)
-        at = [float(v) for v in made.task.initial_state]
-        period = Analysis(made, plant, scenario.noise, scenario.latency, at).period
-        for line in describe_proof(made, plant, scenario):
+        start = [float(v) for v in changed.task.initial_state]
+        period = Analysis(changed, plant, scenario.noise, scenario.latency, start).period
+        for line in describe_proof(changed, plant, scenario):
             for number in re.findall(r"up to ([\d.e+-]+) ms", line):
                 assert period is not None
                 assert Fraction(number) / 1000 <= Fraction(period.seconds)
-                told += 1
-    assert told >= 4
+                count += 1
+    assert count >= 4
 
 
 # ---------------------------------------------------------------------------------------------- the command
 
 
-def test_simulate_writes_trace_and_picture_and_says_what_was_proved(tmp_path: Path) -> None:
+def test_simulate_writes_trace_and_picture_and_prints_what_was_proved(tmp_path: Path) -> None:
     task = str(ROOT / "tasks" / "omni_s2.toml")
     arguments = ["simulate", task, "--disturbance", "nearest", "--w-max", "0.3", "--rate", "500", "--out", str(tmp_path)]
     result = CliRunner().invoke(app, arguments)
@@ -311,7 +315,7 @@ def test_simulate_exits_with_1_when_the_task_is_missed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--plant", "robot"], "--plant robot"),
         (["--disturbance", "gale"], "--disturbance gale"),
@@ -325,22 +329,20 @@ def test_simulate_exits_with_1_when_the_task_is_missed() -> None:
         (["--gain", "much"], "--gain much"),
     ],
 )
-def test_what_simulate_refuses(arguments: list[str], told: str) -> None:
-    from stt_codegen.errors import BadInput as Refused
-
+def test_simulate_refuses_malformed_options_by_name(arguments: list[str], message: str) -> None:
     result = CliRunner().invoke(app, ["simulate", str(ROOT / "tasks" / "omni_s2.toml"), *arguments])
-    assert isinstance(result.exception, Refused)
-    assert told in str(result.exception)
+    assert isinstance(result.exception, BadInput)
+    assert message in str(result.exception)
 
 
-@pytest.mark.parametrize("most", ["0.1", "0.3", "0.7"])
-def test_the_bound_itself_is_within_the_bounds(most: str) -> None:
-    """A double may be above the decimal that it stands for."""
-    task = OMNI.changed(plant={"w_max": most})
+@pytest.mark.parametrize("w_max", ["0.1", "0.3", "0.7"])
+def test_a_disturbance_of_exactly_w_max_is_within_the_bounds(w_max: str) -> None:
+    """The double nearest to a decimal may be above it."""
+    task = OMNI.changed(plant={"w_max": w_max})
     assert simulate(built(task), Request(plant="bounds"), None).fulfilled
 
 
-def test_a_trace_reads_back() -> None:
+def test_a_trace_in_csv_reads_as_the_same_numbers() -> None:
     run = loop("omni_s2").run(Scenario(rate=100.0), trace=True)
     assert run.trace is not None
     read = np.genfromtxt(trace_csv(run.trace, OMNI).decode().splitlines(), delimiter=",", names=True)
@@ -356,30 +358,30 @@ def test_a_trace_reads_back() -> None:
     [("omni_s2", "arm", "refined"), ("omni_heading", "robot", "refined"), ("omni_s3", "integrator", "adaptive")],
 )
 def test_python_control_and_the_c_loop_agree(name: str, plant: str, design: str) -> None:
-    """The continuous loop of python-control and the C at 4 kHz end at the same place, to what sampling changes."""
+    """The continuous loop of python-control and the C at 4 kHz end at the same state, up to the effect of sampling."""
     import control
 
     from stt_codegen.loop.systems import closed_loop, start_of
 
-    made = controller(name, design)
-    system = closed_loop(made, PLANTS[plant])
-    n, end = made.task.dimension, float(made.task.prescribed_time)
+    emitted = controller(name, design)
+    system = closed_loop(emitted, PLANTS[plant])
+    n, end = emitted.task.dimension, float(emitted.task.prescribed_time)
     t = np.linspace(0, end, 301)
     options = {"rtol": 1e-7, "atol": 1e-8, "max_step": 0.02, "method": "LSODA"}
-    response = control.input_output_response(system, t, np.zeros((n, len(t))), start_of(made), solve_ivp_kwargs=options)
-    run = Loop(made, PLANTS[plant]).run(Scenario(rate=4000.0))
+    response = control.input_output_response(system, t, np.zeros((n, len(t))), start_of(emitted), solve_ivp_kwargs=options)
+    run = Loop(emitted, PLANTS[plant]).run(Scenario(rate=4000.0))
     assert run.kept
     assert response.outputs[:n, -1] == pytest.approx(run.last, abs=2e-3)
     assert response.outputs[2 * n].min() == pytest.approx(run.margin, abs=1e-2)
 
 
-def test_a_plant_of_ones_own_is_swapped_in_by_its_signal_names() -> None:
+def test_a_users_plant_is_connected_by_its_signal_names() -> None:
     import control
 
     from stt_codegen.loop.systems import closed_loop, signal_names
 
     n = 2
-    mine = control.nlsys(
+    user_plant = control.nlsys(
         lambda t, x, v, p: v[:n] + v[n:],
         None,
         inputs=[*signal_names("u", n), *signal_names("w", n)],
@@ -387,7 +389,7 @@ def test_a_plant_of_ones_own_is_swapped_in_by_its_signal_names() -> None:
         states=2,
         name="m",
     )
-    system = closed_loop(controller("omni_s2"), mine)
+    system = closed_loop(controller("omni_s2"), user_plant)
     assert system.input_labels == ["w1", "w2"]
     assert system.output_labels == ["x1", "x2", "u1", "u2", "margin"]
 
@@ -395,23 +397,23 @@ def test_a_plant_of_ones_own_is_swapped_in_by_its_signal_names() -> None:
 # -------------------------------------------------------------------------------------------- Monte Carlo
 
 
-def test_a_job_proves_and_keeps_its_tubes() -> None:
+def test_a_job_of_the_suite_keeps_its_proved_tubes() -> None:
     outcome = run_job(LoopJob(0, with_longer_periods=True))
     assert outcome.period > 0.001
     assert len(outcome.runs["own"]) == 10
     assert all(r.good and r.kept for r in outcome.runs["own"])
     assert not outcome.left_tube[PERIOD_FACTORS.index(1)]
-    assert outcome.left_tube[-1]  # far beyond it some run leaves
+    assert outcome.left_tube[-1]  # at periods far beyond the proved one some run leaves its tube
 
 
-def test_a_closed_arena_is_told_with_its_reason_and_counts_nowhere() -> None:
+def test_an_arena_without_a_way_is_listed_with_its_reason_and_not_counted() -> None:
     outcomes = [run_job(LoopJob(25)), run_job(LoopJob(26))]
     assert outcomes[0].reason
     assert table_rows(outcomes)[0][1] == "1"
     assert any("Arena 25" in line for line in summary_lines(outcomes, 1.0, 1))
 
 
-def test_the_command_records_and_prints_one_document(tmp_path: Path) -> None:
+def test_the_suite_records_a_page_and_prints_one_json_document(tmp_path: Path) -> None:
     path = tmp_path / "r.md"
     arguments = ["loop", "--count", "2", "--processes", "1", "--record", str(path), "--json"]
     result = CliRunner().invoke(suites, arguments)
@@ -420,13 +422,13 @@ def test_the_command_records_and_prints_one_document(tmp_path: Path) -> None:
     assert "own" in path.read_text()
 
 
-def test_jobs_differ_in_what_they_are_asked() -> None:
-    made = loop_jobs(150, 1000.0, 0.3, 10, peers=True)
-    assert [j.seed for j in made] == list(range(150))
-    assert sum(j.with_longer_periods for j in made) == 100
+def test_jobs_differ_in_seed_and_in_longer_runs() -> None:
+    suite_jobs = loop_jobs(150, 1000.0, 0.3, 10, peers=True)
+    assert [j.seed for j in suite_jobs] == list(range(150))
+    assert sum(j.with_longer_periods for j in suite_jobs) == 100
 
 
-def test_a_scenario_that_is_no_number_is_refused() -> None:
+def test_an_infinite_strength_and_a_plant_of_another_dimension_are_refused() -> None:
     with pytest.raises(BadInput):
         Scenario(strength=math.inf)
     with pytest.raises(BadInput):

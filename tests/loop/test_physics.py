@@ -1,4 +1,4 @@
-"""benchmarks/physics.py's engine, its measured bounds and its runs, briefly; skipped where MuJoCo is not (make physics)."""
+"""A short run of benchmarks/physics.py: its engine, measured bounds and loops. Skipped where MuJoCo is missing (make physics)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def physics() -> ModuleType:
 
 @pytest.mark.parametrize("name", ["base", "arm"])
 def test_the_engine_is_a_plant_of_the_task(name: str, physics) -> None:
-    """Its accelerations are within [plant], and what touches a geom is in an unsafe set; and either can be seen to fail."""
+    """Its accelerations are within [plant], and contacts are in unsafe sets. A contact or a narrower bound makes the test of both fail."""
     measured = physics.RobotSimulation(name).measure_bounds(500)
     assert measured.are_within_stated
     assert not replace(measured, touching_count=1).are_within_stated
@@ -36,12 +36,12 @@ def test_the_engine_is_a_plant_of_the_task(name: str, physics) -> None:
 
 
 @pytest.mark.parametrize("name", ["base", "arm"])
-def test_pushed_as_proved_it_arrives_and_touches_nothing(name: str, physics) -> None:
+def test_with_the_proved_disturbance_it_arrives_without_contact(name: str, physics) -> None:
     assert all(physics.RobotSimulation(name).run_mission(seed).is_successful for seed in range(4))
 
 
-def test_a_push_beyond_every_bound_is_seen(physics, monkeypatch) -> None:
-    """What counts contacts and samples outside can count one."""
+def test_a_disturbance_beyond_every_bound_gives_contacts_and_leaves_the_tube(physics, monkeypatch) -> None:
+    """So the counts of contacts and of samples outside the tube can be positive."""
     simulation, disturb = physics.RobotSimulation("base"), physics.RobotSimulation("base").disturb
     monkeypatch.setattr(simulation, "disturb", lambda w: disturb(100 * np.array(w)))
     run = simulation.run_mission(1)

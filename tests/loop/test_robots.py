@@ -1,4 +1,4 @@
-"""Robots of tasks/ with a plant file: what [plant] says is true of the file all over the tube, and their loops stay in it."""
+"""Robots of tasks/ with a plant file: the bounds of [plant] hold for the file all over the tube, and their loops stay in the tube."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ ROBOTS = ("arm", "attitude", "base", "drone", "rover")
 
 @cache
 def robot(name: str) -> tuple[EmittedController, Model]:
+    """Return the controller of a robot's task, and the plant of its file."""
     task = load_task(ROOT / "tasks" / f"{name}.toml")
     return built(task), plant_of(str(ROOT / "tasks" / f"{name}.py"), task.dimension, task.order)
 
@@ -39,23 +40,23 @@ def analysis(name: str) -> Analysis:
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_what_the_task_says_of_its_plant_is_proved_of_the_file(name: str) -> None:
+def test_the_bounds_of_a_task_are_proved_for_its_plant_file(name: str) -> None:
     report = analysis(name).report()
     assert [h.name for h in report.hypotheses if not h.holds] == []
     assert "[plant]" in [h.name for h in report.hypotheses]
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_a_plant_that_pushes_more_is_not_covered(name: str) -> None:
+def test_a_plant_with_a_stronger_disturbance_is_not_covered(name: str) -> None:
     controller, plant = robot(name)
     assert not Analysis(controller, with_disturbance_bound(plant, 10 * float(plant.w_max))).is_covered
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_bounds_hold_of_states_constants_and_samples(name: str) -> None:
-    """At random states of random windows, random constants, and samples as far away as they may be."""
+def test_bounds_hold_for_random_states_constants_and_samples(name: str) -> None:
+    """States are in random windows, constants in their ranges, and samples as far away as they may be."""
     controller, plant = robot(name)
-    found, n, order = analysis(name), controller.task.dimension, controller.task.order
+    analysed, n, order = analysis(name), controller.task.dimension, controller.task.order
     evaluate, draw = model(plant, n, order), np.random.default_rng(5)
     enclosure = PlantEnclosure(plant, n, 1, order)
     for _ in range(4):
@@ -72,35 +73,37 @@ def test_bounds_hold_of_states_constants_and_samples(name: str) -> None:
             assert (bounds.diagonal_min <= np.diag(g)).all()
             assert (np.diag(g) <= bounds.diagonal_max).all()
             assert (np.abs(g - np.diag(np.diag(g))) <= bounds.cross + 1e-15).all()
-    assert found.mixed_age == (math.inf if plant.mixing is None else pytest.approx(float(found.wanted + found.latency) * 1.01))
+    assert analysed.mixed_age == (
+        math.inf if plant.mixing is None else pytest.approx(float(analysed.wanted + analysed.latency) * 1.01)
+    )
 
 
 @pytest.mark.parametrize("name", ["arm", "attitude", "base"])
 def test_bounds_of_a_window_hold_for_the_oldest_sample(name: str) -> None:
-    """x in the window, v as fast as it may be, x of the sample a period, its latency and the noise away from it."""
+    """x is in the window and v as fast as it may be; the sample of x is a period, the latency and the noise away."""
     controller, plant = robot(name)
-    found, n, draw = analysis(name), controller.task.dimension, np.random.default_rng(7)
+    analysed, n, draw = analysis(name), controller.task.dimension, np.random.default_rng(7)
     design = controller.design
     assert isinstance(design, RefinedDesign)
     evaluate, (slow, fast) = model(plant, n, 2), velocity_bounds(design)
-    age, worst = found.wanted + found.latency, 0.0
-    for k in range(0, len(found.bounds), 3):
+    age, largest_share = analysed.wanted + analysed.latency, 0.0
+    for k in range(0, len(analysed.bounds), 3):
         for _ in range(60):
-            x, v = draw.uniform(found.windows.low[k], found.windows.high[k]), draw.choice([-1, 1], size=n) * fast[k]
+            x, v = draw.uniform(analysed.windows.low[k], analysed.windows.high[k]), draw.choice([-1, 1], size=n) * fast[k]
             assert (slow[k] == -fast[k]).all()
-            sample = x - v * age + draw.choice([-1, 1], size=n) * found.noise
+            sample = x - v * age + draw.choice([-1, 1], size=n) * analysed.noise
             g = np.array(evaluate(np.concatenate([x, v, [draw.choice(ends) for ends in plant.constants], sample]))[1])
-            aside = np.abs(g - np.diag(np.diag(g)))
-            assert (aside <= found.bounds[k].cross + 1e-15).all()
-            assert (found.bounds[k].diagonal_min <= np.diag(g)).all()
-            assert (np.diag(g) <= found.bounds[k].diagonal_max).all()
-            worst = max(worst, float((aside / np.maximum(found.bounds[k].cross, 1e-300)).max()))
-    assert worst > 0.5  # a bound that no sample comes near says nothing of samples
+            cross = np.abs(g - np.diag(np.diag(g)))
+            assert (cross <= analysed.bounds[k].cross + 1e-15).all()
+            assert (analysed.bounds[k].diagonal_min <= np.diag(g)).all()
+            assert (np.diag(g) <= analysed.bounds[k].diagonal_max).all()
+            largest_share = max(largest_share, float((cross / np.maximum(analysed.bounds[k].cross, 1e-300)).max()))
+    assert largest_share > 0.5  # some sample comes near its bound, so that the test can fail
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_loops_keep_the_tube_with_every_payload_and_wind(name: str) -> None:
-    """At the proved period, from corners of the share, with constants at their ends (even seeds) and between."""
+def test_loops_keep_the_tube_with_any_constants_and_disturbance(name: str) -> None:
+    """Loops run at the proved period from corners of the start share, with constants at the ends of their ranges (even seeds) and within."""
     controller, plant = robot(name)
     task, loop = controller.task, Loop(controller, plant)
     edges = controller.certificate.start
@@ -114,13 +117,13 @@ def test_loops_keep_the_tube_with_every_payload_and_wind(name: str) -> None:
         assert (np.array(run.u) <= [float(v) for v in proved.u]).all()
 
 
-def test_u_is_mixed_at_the_sample_and_held_with_it() -> None:
-    """xdot = M(x of the sample) u with M = 1 + x: between samples x moves at a constant speed, that of the sample's M."""
+def test_u_is_mixed_with_the_state_of_its_sample() -> None:
+    """x' = M(x of the sample) u with M = 1 + x: between samples x has the constant speed of the sample's M."""
     task = load_task(ROOT / "tasks" / "omni_s2.toml")
     controller = built(task)
     import casadi as ca
 
-    own = Plant(
+    mixing_plant = Plant(
         name="mixed",
         dimension=2,
         drift=lambda x: [0, 0],
@@ -128,120 +131,120 @@ def test_u_is_mixed_at_the_sample_and_held_with_it() -> None:
         mixing=lambda x: ca.diag(1 + x),
     )
     for latency in (0.0, 0.03):
-        run = Loop(controller, own).run(Scenario(rate=50.0, latency=latency), trace=True)
+        run = Loop(controller, mixing_plant).run(Scenario(rate=50.0, latency=latency), trace=True)
         assert run.trace is not None
         x, u = run.trace[:, 1:3], run.trace[:, 3:5]
-        moved, behind = (1 + x) * u, 2 if latency else 0
-        late = (
-            0.01 * moved[: -1 - behind] + 0.01 * moved[1 : len(moved) - behind]
-        )  # 1.5 periods: half of one is of the one before
-        wanted = late if latency else 0.02 * moved[:-1]
-        assert np.allclose(np.diff(x, axis=0)[behind:], wanted, atol=1e-12)
+        speed, delay = (1 + x) * u, 2 if latency else 0  # samples
+        # A latency of 1.5 periods: half of a period has the input of one sample, half that of the next.
+        delayed = 0.01 * speed[: -1 - delay] + 0.01 * speed[1 : len(speed) - delay]
+        expected = delayed if latency else 0.02 * speed[:-1]
+        assert np.allclose(np.diff(x, axis=0)[delay:], expected, atol=1e-12)
 
 
-def test_constants_are_drawn_from_their_ranges_and_stay_for_a_run() -> None:
+def test_constants_are_drawn_from_their_ranges_once_a_run() -> None:
     task = load_task(ROOT / "tasks" / "omni_s2.toml")
     controller = built(task)
     drifting = Plant(
         name="p", dimension=2, drift=lambda x, p: [p[0], 0], input_matrix=lambda x, p: [[1, 0], [0, 1]], constants=((0.01, 0.03),)
     )
-    seen = []
+    drifts = []
     for seed in range(24):
         run = Loop(controller, drifting).run(Scenario(rate=50.0, seed=seed), trace=True)
         assert run.trace is not None
         x, u = run.trace[:, 1:3], run.trace[:, 3:5]
         drift = np.diff(x[:, 0]) / 0.02 - u[:-1, 0]
         assert np.allclose(drift, drift[0], atol=1e-10)
-        seen.append(drift[0])
-    assert min(seen) > 0.01 - 1e-9
-    assert max(seen) < 0.03 + 1e-9
-    assert {round(v, 9) for v in seen} >= {0.01, 0.03}
+        drifts.append(drift[0])
+    assert min(drifts) > 0.01 - 1e-9
+    assert max(drifts) < 0.03 + 1e-9
+    assert {round(v, 9) for v in drifts} >= {0.01, 0.03}
 
 
-def test_the_rovers_point_is_kept_by_the_rover_itself() -> None:
-    """The true kinematics, heading and all, driven by the emitted law as rover.py says: the point stays in the tube, the disc
-    about the axle off every unsafe set, and the heading turns by no more than p between a sample and its end."""
+def test_the_true_rover_keeps_its_point_in_the_tube_and_its_disc_clear() -> None:
+    """The emitted law drives the true kinematics with the heading, as rover.py describes. The point stays in the tube, the disc about
+    the axle clear of unsafe sets, and the heading turns by no more than p while an input is held."""
     from stt_codegen.program.targets.python.runner import load_module
 
     controller, plant = robot("rover")
     task, (low, high) = controller.task, plant.constants[0]
     law = load_module(task.name, controller.files["rover.py"])
-    ahead, radius, period, latency = 0.25, 0.2, float(task.sampling_period), float(task.control.latency)
+    ahead, radius = 0.25, 0.2  # metres from the axle to the point, and of the disc
+    period, latency = float(task.sampling_period), float(task.control.latency)
     assert [float(v) for v in task.half_extents] == [ahead + radius] * 2
-    said = runpy.run_path(str(ROOT / "tasks" / "rover.py"))
-    assert said["U_MAX"] == float(max(task.u_max or ()))
-    assert said["AGE"] == pytest.approx(period + latency, abs=1e-15)
+    plant_file = runpy.run_path(str(ROOT / "tasks" / "rover.py"))
+    assert plant_file["U_MAX"] == float(max(task.u_max or ()))
+    assert plant_file["AGE"] == pytest.approx(period + latency, abs=1e-15)
     draw = np.random.default_rng(2)
-    for first in (0.0, 2.0, math.pi, -1.5):
-        heading = first
+    for initial_heading in (0.0, 2.0, math.pi, -1.5):
+        heading = initial_heading
         point = np.array([float(v) for v in task.initial_state])
-        held = np.zeros(2)
+        held_input = np.zeros(2)
         pending: np.ndarray | None = None
-        steps = 11  # of 2 ms in a period and its latency
+        steps = 11  # of 2 ms, in a period and its latency
         for k in range(round(float(task.prescribed_time) / period)):
-            seen = point + draw.uniform(-1, 1, size=2) * float(task.plant.noise or 0)
-            _, u = law.control(k * period, tuple(seen))
+            measured = point + draw.uniform(-1, 1, size=2) * float(task.plant.noise or 0)
+            _, u = law.control(k * period, tuple(measured))
             c, s = math.cos(heading), math.sin(heading)
-            made = np.array([c * u[0] + s * u[1], (-s * u[0] + c * u[1]) / ahead])
-            sampled = heading
-            held, pending = (made, None) if k == 0 else (held, made)
+            speed_and_turn = np.array([c * u[0] + s * u[1], (-s * u[0] + c * u[1]) / ahead])
+            sampled_heading = heading
+            held_input, pending = (speed_and_turn, None) if k == 0 else (held_input, speed_and_turn)
             for step in range(steps - 1):
                 if pending is not None and step * 0.002 >= latency - 1e-12:
-                    held, pending = pending, None
+                    held_input, pending = pending, None
                 slip = 0.99 * float(plant.w_max) * np.array([math.cos(k), math.sin(k)])
                 for _ in range(4):
                     h = 0.0005
-                    middle = heading + h / 2 * held[1]
-                    rate = np.array([math.cos(middle), math.sin(middle)]) * held[0]
-                    rate += ahead * held[1] * np.array([-math.sin(middle), math.cos(middle)])
-                    point, heading = point + h * (rate + slip), heading + h * held[1]
-                assert low <= heading - sampled <= high
+                    middle = heading + h / 2 * held_input[1]
+                    rate = np.array([math.cos(middle), math.sin(middle)]) * held_input[0]
+                    rate += ahead * held_input[1] * np.array([-math.sin(middle), math.cos(middle)])
+                    point, heading = point + h * (rate + slip), heading + h * held_input[1]
+                assert low <= heading - sampled_heading <= high
             lower, upper = (np.array(v) for v in law.tube((k + 1) * period))
             assert (lower < point).all()
             assert (point < upper).all()
             axle = point - ahead * np.array([math.cos(heading), math.sin(heading)])
             for unsafe in task.unsafe:
-                assert _distance(unsafe, axle) > radius
+                assert distance_to(unsafe, axle) > radius
         assert all(float(a) <= x <= float(b) for a, x, b in zip(task.target.lower, point, task.target.upper, strict=True))
 
 
-def _distance(unsafe: object, axle: np.ndarray) -> float:
-    """To the rock by its centre, to the crater by its edges."""
+def distance_to(unsafe: object, axle: np.ndarray) -> float:
+    """Return the distance from the axle to the rock, which is a disc, or to the crater, which is a polygon."""
     centre = getattr(unsafe, "centre", None)
     if centre is not None:
         return float(np.hypot(*(axle - np.array([float(v) for v in centre])))) - float(unsafe.radius)  # type: ignore[attr-defined]
     corners = [np.array([float(v) for v in p]) for p in unsafe.vertices]  # type: ignore[attr-defined]
-    found = []
+    distances = []
     for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
         share = np.clip((axle - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
-        found.append(float(np.hypot(*(axle - a - share * (b - a)))))
-    return min(found)
+        distances.append(float(np.hypot(*(axle - a - share * (b - a)))))
+    return min(distances)
 
 
-def test_bounds_by_component_say_what_one_number_says_where_they_agree() -> None:
+def test_equal_bounds_by_component_equal_one_bound_for_all() -> None:
     task = load_task(ROOT / "tasks" / "trolley.toml")
-    given = {k: v for k, v in task.plant.bounds.items() if v is not None and k != "noise"}
-    listed = task.changed(plant={k: [v] * task.dimension for k, v in given.items()})
+    bounds = {k: v for k, v in task.plant.bounds.items() if v is not None and k != "noise"}
+    listed = task.changed(plant={k: [v] * task.dimension for k, v in bounds.items()})
     assert listed.plant_bounds == task.plant_bounds
-    one, other = built(task).certificate.proved_period, built(listed).certificate.proved_period
-    assert one is not None
-    assert one == other
-    weaker = task.changed(plant={"g_min": [given.get("g_min", Fraction(1)), Fraction(1, 10)]})
+    proved, proved_by_component = built(task).certificate.proved_period, built(listed).certificate.proved_period
+    assert proved is not None
+    assert proved == proved_by_component
+    weaker = task.changed(plant={"g_min": [bounds.get("g_min", Fraction(1)), Fraction(1, 10)]})
     assert weaker.plant_bounds[1].g_min == Fraction(1, 10)
 
 
-def test_plant_covers_only_what_p9_is_about() -> None:
-    """A plant that mixes is asked of with the task's own latency and noise, or the line says that it was not."""
+def test_a_mixing_plant_is_covered_only_with_the_latency_and_noise_of_its_task() -> None:
+    """With less latency or noise than the task states, the hypothesis does not hold and its statement says so."""
     controller, plant = robot("base")
     assert next(h for h in Analysis(controller, plant).hypotheses() if h.name == "[plant]").holds
     for changes in ({"latency": 0.0}, {"noise": 0.0}):
-        found = next(h for h in Analysis(controller, plant, **changes).hypotheses() if h.name == "[plant]")
-        assert not found.holds
-        assert "less noise or latency" in found.statement
+        hypothesis = next(h for h in Analysis(controller, plant, **changes).hypotheses() if h.name == "[plant]")
+        assert not hypothesis.holds
+        assert "less noise or latency" in hypothesis.statement
 
 
-def test_the_worst_plants_push_every_component_as_far_as_it_is_stated() -> None:
-    """[plant] by component: the elbow is pushed by its own bound, not by the shoulder's."""
+def test_the_plants_at_the_bounds_disturb_every_component_by_its_own_bound() -> None:
+    """The elbow has another bound than the shoulder."""
     controller, _ = robot("arm")
     report = simulate(controller, Request(plant="bounds"), None)
     forces = [float(b.force) for b in controller.task.plant_bounds]
