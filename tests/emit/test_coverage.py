@@ -1,4 +1,4 @@
-"""Every branch of every emitted C file is taken by the vectors of the tests: those of `compare`, and what is no number."""
+"""The vectors of `compare`, with values that are not finite added, take every branch of every emitted C file."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from tests.emit.test_runtime_errors import FOLDERS
 from tests.support.controllers import ROOT, built
 
 ENDS = (-(2**31), 2**31 - 1)
-ODD = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e30, -1e30)
+SPECIAL_VALUES = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e30, -1e30)
 
-# Integers hold some values within a range that they do not leave here, so that the proof of 32 bits need not know why:
+# Branches that saturate integers for the proof of 32 bits, although the certificate excludes the values:
 CRANE, GANTRY = "crane/refined/fixed", "gantry/refined/fixed"
-NEVER = {
+NEVER_TAKEN = {
     "crane_leading: if (rest < 0x8000U) { rest <<= 16; places = 16; }": (CRANE,),  # of a width that is certified to be larger
     "gantry_leading: if (rest < 0x8000U) { rest <<= 16; places = 16; }": (GANTRY,),
     "crane_rates: const int32_t less_most = less_most_under ? less_held : 67108864;": (CRANE,),  # s - s^2 is 1/4 at no tick
@@ -43,16 +43,17 @@ NEVER = {
 
 
 def controller_in(folder: str) -> EmittedController:
+    """Return the controller that is recorded in a folder of generated/."""
     entry = next(e for e in read_manifest(ROOT / "generated") if e.folder == folder)
     return built(load_task(ROOT / "generated" / entry.task).with_options(entry.design, entry.scalar), entry.uncertified)
 
 
-def drive(controller: EmittedController, c: CompiledC) -> None:
-    """All the vectors: the comparison's, then odd numbers in every argument, and tubes that are narrow or inside out."""
+def call_all(controller: EmittedController, c: CompiledC) -> None:
+    """Call all functions with the vectors of the comparison, special values in every argument, and narrow or empty tubes."""
     probe = "probe"
 
-    def make(given: EmittedController) -> CompiledC:
-        return CompiledC(given) if given.program.functions[0].name == probe else c
+    def make(compared: EmittedController) -> CompiledC:
+        return CompiledC(compared) if compared.program.functions[0].name == probe else c
 
     compare_backend(controller, make, 2000)
     random = np.random.default_rng(1)
@@ -71,7 +72,7 @@ def drive(controller: EmittedController, c: CompiledC) -> None:
                 inputs.append(values)
                 continue
             values = random.uniform(-0.2, 1.2, shape) * (t_c if p.length is None else 5.0)
-            values = np.where(random.random(shape) < 0.2, random.choice(ODD, shape), values)
+            values = np.where(random.random(shape) < 0.2, random.choice(SPECIAL_VALUES, shape), values)
             inputs.append(values)
         if f.name == "transform":
             inputs[1] = inputs[0] + random.choice([1e-8, 1e-3, 1.0, -1.0, np.nan], inputs[0].shape)
@@ -82,8 +83,8 @@ def drive(controller: EmittedController, c: CompiledC) -> None:
         c.call(f.name, *inputs)
 
 
-def branches_left(controller: EmittedController, folder: Path, compiler: str, gcov: str) -> list[str]:
-    """Lines with a branch that no vector takes, and functions that none calls."""
+def branches_not_taken(controller: EmittedController, folder: Path, compiler: str, gcov: str) -> list[str]:
+    """Return lines with a branch that no vector takes, and functions that no vector calls."""
     name = controller.task.name
     for file, data in controller.files.items():
         (folder / file).write_bytes(data)
@@ -94,33 +95,33 @@ def branches_left(controller: EmittedController, folder: Path, compiler: str, gc
     if any(f.name == "alpha_init" for f in controller.program.functions):
         alpha = np.zeros((1, 2 * controller.program.dimension), c.number)
         c.library[f"{name}_alpha_init"](alpha.ctypes.data_as(ctypes.c_void_p))
-    drive(controller, c)
+    call_all(controller, c)
     c.library.flush()
     data = f"covered.so-{name}.gcda"
     subprocess.run([gcov, "--json-format", "--branch-probabilities", data], cwd=folder, check=True, capture_output=True)
     report = json.loads(gzip.decompress(next(folder.glob(f"*{name}*.gcov.json.gz")).read_bytes()))
     (file_report,) = (f for f in report["files"] if f["file"] == f"{name}.c")
     text = controller.files[f"{name}.c"].decode().splitlines()
-    left = [f["name"] for f in file_report["functions"] if f["execution_count"] == 0]
+    not_taken = [f["name"] for f in file_report["functions"] if f["execution_count"] == 0]
     for line in file_report["lines"]:
         if any(b["count"] == 0 for b in line["branches"]):
-            left.append(f"{line['function_name']}: {text[line['line_number'] - 1].strip()}")
-    return left
+            not_taken.append(f"{line['function_name']}: {text[line['line_number'] - 1].strip()}")
+    return not_taken
 
 
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_every_branch_is_taken(folder: str, tool, tmp_path) -> None:
-    left = branches_left(controller_in(folder), tmp_path, tool("gcc"), tool("gcov"))
-    assert left == [line for line, folders in NEVER.items() if folder in folders]
+    not_taken = branches_not_taken(controller_in(folder), tmp_path, tool("gcc"), tool("gcov"))
+    assert not_taken == [line for line, folders in NEVER_TAKEN.items() if folder in folders]
 
 
-def test_a_branch_that_no_vector_takes_is_found(tool, tmp_path) -> None:
+def test_a_branch_that_no_vector_takes_is_reported(tool, tmp_path) -> None:
     controller = controller_in("omni_s2/refined/float")
     text = controller.files["omni_s2.c"].decode()
     old = "const omni_s2_real started = positive ? t : 0.0F;"
     assert old in text
-    bent = text.replace(old, "const omni_s2_real started = (positive ? t : 0.0F) + ((t < 4.5F) && (t > 4.5F) ? 1.0F : 0.0F);")
-    controller.files["omni_s2.c"] = bent.encode()
-    left = branches_left(controller, tmp_path, tool("gcc"), tool("gcov"))
-    assert len(left) == 1
-    assert "started" in left[0]
+    mutated = text.replace(old, "const omni_s2_real started = (positive ? t : 0.0F) + ((t < 4.5F) && (t > 4.5F) ? 1.0F : 0.0F);")
+    controller.files["omni_s2.c"] = mutated.encode()
+    not_taken = branches_not_taken(controller, tmp_path, tool("gcc"), tool("gcov"))
+    assert len(not_taken) == 1
+    assert "started" in not_taken[0]

@@ -1,5 +1,5 @@
-"""The emitted files as a user meets them: strict compilers, no surprises in the object file, and section by section the
-behaviour that the header promises, the same in C and Python."""
+"""The emitted files: strict compilers accept them, the object file has only the public names, and C and Python behave as the header
+promises."""
 
 from __future__ import annotations
 
@@ -47,12 +47,14 @@ def backends(c_float) -> list:
 
 
 def write(folder: Path, controller: EmittedController) -> Path:
+    """Write the emitted files, and return the path of the C."""
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
     return folder / f"{controller.task.name}.c"
 
 
-def at(t: float, *x: float) -> tuple[np.ndarray, np.ndarray]:
+def arguments_at(t: float, *x: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return t and x as arrays of one point."""
     return np.array([t]), np.array([x])
 
 
@@ -62,7 +64,7 @@ def at(t: float, *x: float) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("scalar", ["float", "double"])
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_the_strict_flags_find_nothing(compiler: str, name: str, scalar: str, tool, tmp_path) -> None:
+def test_strict_compilers_give_no_warning(compiler: str, name: str, scalar: str, tool, tmp_path) -> None:
     source = write(tmp_path, controller_of(name, scalar))
     subprocess.run([tool(compiler), *STRICT, "-c", str(source), "-o", str(tmp_path / "o.o")], check=True)
 
@@ -81,6 +83,7 @@ def test_the_header_is_usable_from_cpp_and_links_to_c(tool, tmp_path) -> None:
 
 
 def symbols(nm: str, object_file: Path) -> dict[str, str]:
+    """Return the symbols of an object file with their kinds, letters of `nm`."""
     lines = subprocess.run([nm, str(object_file)], check=True, capture_output=True, text=True).stdout.splitlines()
     return {line.split()[-1]: line.split()[-2] for line in lines if len(line.split()) >= 2}
 
@@ -90,11 +93,11 @@ def test_no_writable_data_and_every_external_name_has_the_prefix(scalar: str, to
     source = write(tmp_path, controller_of("omni_s2", scalar))
     target = tmp_path / "o.o"
     subprocess.run([tool("gcc"), *STRICT, "-fno-pic", "-c", str(source), "-o", str(target)], check=True)
-    found = symbols(tool("nm"), target)
-    assert not [n for n, kind in found.items() if kind in "dDbBC"]
-    public = {n for n, kind in found.items() if kind in "TR"}
+    kinds = symbols(tool("nm"), target)
+    assert not [n for n, kind in kinds.items() if kind in "dDbBC"]
+    public = {n for n, kind in kinds.items() if kind in "TR"}
     assert public == {f"omni_s2_{f}" for f in ("tube", "tube_rate", "control", "margin", "margins", "covered", "transform")}
-    needed = {n for n, kind in found.items() if kind == "U"}
+    needed = {n for n, kind in kinds.items() if kind == "U"}
     assert needed == {"logf" if scalar == "float" else "log"}
 
 
@@ -103,8 +106,8 @@ def test_a_float_file_has_no_double_arithmetic_on_a_cortex_m4f(name: str, tool, 
     source = write(tmp_path, controller_of(name))
     target = tmp_path / "o.o"
     subprocess.run([tool("arm-none-eabi-gcc"), *CORTEX_M4F, *STRICT, "-c", str(source), "-o", str(target)], check=True)
-    found = symbols(tool("arm-none-eabi-nm"), target)
-    assert {n for n, kind in found.items() if kind == "U"} == {"logf"}  # no __aeabi_d*, no double-precision libm name
+    kinds = symbols(tool("arm-none-eabi-nm"), target)
+    assert {n for n, kind in kinds.items() if kind == "U"} == {"logf"}  # no __aeabi_d*, no double-precision libm name
     text = subprocess.run([tool("arm-none-eabi-objdump"), "-d", str(target)], check=True, capture_output=True, text=True).stdout
     assert not re.search(r"\.f64", text)
 
@@ -168,13 +171,13 @@ def test_generated_python_needs_only_math_and_runs_without_this_package(tmp_path
     assert re.findall(rb"^(?:import|from) .*$", controller.files["omni_s2.py"], re.M) == [b"import math"]
 
 
-def test_names_that_collide_are_found() -> None:
+def test_names_that_collide_are_refused() -> None:
     program = controller_of("omni_s2").program
     x = Var("x", program.kernels[0].inputs[0].type)
     for kernel in (
         Kernel("tube", (x,), (), (x,), ("y",)),
-        Kernel("other", (x,), (Assign(x, Op("neg", (x,))),), (x,), ("y",)),
-        Kernel("other", (Var("double", x.type),), (), (x,), ("y",)),
+        Kernel("negation", (x,), (Assign(x, Op("neg", (x,))),), (x,), ("y",)),
+        Kernel("identity", (Var("double", x.type),), (), (x,), ("y",)),
         Kernel("gamma", (x,), (), (x,), ("y",)),
     ):
         with pytest.raises(ValueError, match="is used twice|is a reserved word of C|is a name of the library of C"):
@@ -185,13 +188,13 @@ def test_names_that_collide_are_found() -> None:
 
 
 def prefixes_of_locals(program: Program) -> list[str]:
-    """Every beginning of a local's name before an underscore."""
-    return sorted({name[: at.start()] for name in _locals(program) for at in re.finditer("_", name) if at.start()})
+    """Return every prefix before an underscore that a name of a local has."""
+    return sorted({name[: match.start()] for name in _locals(program) for match in re.finditer("_", name) if match.start()})
 
 
 @pytest.mark.parametrize(("name", "scalar"), [("crane", "fixed"), ("drone", "float"), ("omni_s1", "adaptive")])
-def test_a_task_with_a_locals_name_compiles_or_is_refused(name: str, scalar: str, tool, tmp_path: Path) -> None:
-    """A local that is named as a function or a table would hide it."""
+def test_a_task_with_the_name_of_a_local_compiles_or_is_refused(name: str, scalar: str, tool, tmp_path: Path) -> None:
+    """Without a refusal a local with the name of a function or a table would hide it."""
     controller = controller_of(name, "float", "adaptive") if scalar == "adaptive" else controller_of(name, scalar)
     task, program, sources, refused = controller.task, controller.program, [], []
     for prefix in prefixes_of_locals(program):
@@ -226,9 +229,14 @@ def test_the_checker_refuses_a_local_that_hides_a_name(prefix: str, tmp_path: Pa
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_control_answers_bad_input_with_zero_for_any_non_finite_number(backends, bad: float) -> None:
+def test_control_returns_bad_input_and_zero_for_any_non_finite_number(backends, bad: float) -> None:
     for backend in backends:
-        for t, x in (at(bad, 0.25, 0.25), at(1.0, bad, 0.25), at(1.0, 0.25, bad), at(bad, bad, bad)):
+        for t, x in (
+            arguments_at(bad, 0.25, 0.25),
+            arguments_at(1.0, bad, 0.25),
+            arguments_at(1.0, 0.25, bad),
+            arguments_at(bad, bad, bad),
+        ):
             status, u = backend.control(t, x)
             assert status[0] == BAD
             assert np.all(u == 0)
@@ -242,7 +250,7 @@ def test_tube_and_rate_of_a_non_finite_time_are_nan(backends, bad: float) -> Non
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_transform_is_nan_where_a_number_is_not_finite_and_only_there(backends, bad: float) -> None:
+def test_transform_is_nan_only_in_components_that_are_not_finite(backends, bad: float) -> None:
     for backend in backends:
         for k in range(3):
             arrays = [np.array([[1.0, 1.0]]), np.array([[2.0, 2.0]]), np.array([[1.5, 1.25]])]
@@ -260,7 +268,7 @@ def test_transform_is_zero_in_an_empty_box(backends) -> None:
             assert np.all(np.stack(results) == 0)
 
 
-def test_the_controller_holds_the_first_and_the_last_tube(backends) -> None:
+def test_before_0_and_after_t_c_the_tube_is_constant(backends) -> None:
     for backend in backends:
         first, last = (np.stack(backend.tube(np.array([t]))) for t in (0.0, 9.0))
         for t in (-1e-30, -1.0, -1e30, -0.0):
@@ -283,14 +291,14 @@ def test_status_is_decided_by_the_numbers_that_tube_returns(backends) -> None:
             assert backend.control(time, middle[None])[0][0] == OK
             for i in range(2):
                 for edge, beyond in ((low[i], -np.inf), (high[i], np.inf)):
-                    for value, want in (
+                    for value, expected in (
                         (edge, OUTSIDE),
                         (np.nextafter(number(edge), number(beyond)), OUTSIDE),
                         (np.nextafter(number(edge), number(-beyond)), OK),
                     ):
                         x = middle.copy()
                         x[i] = value
-                        assert backend.control(time, x[None])[0][0] == want
+                        assert backend.control(time, x[None])[0][0] == expected
 
 
 def test_outside_the_tube_u_points_inward_and_is_the_clamped_law(backends) -> None:
@@ -299,32 +307,32 @@ def test_outside_the_tube_u_points_inward_and_is_the_clamped_law(backends) -> No
         low, high = (v[0].astype(float) for v in backend.tube(np.array([4.0])))
         width = high - low
         bound = 4 * k / (width * (1 - e_max**2)) * math.log((1 + e_max) / (1 - e_max))
-        for far in (1e-3, 1.0, 1e30):
-            status, u = backend.control(*at(4.0, low[0] - far, high[1] + far))
+        for distance in (1e-3, 1.0, 1e30):
+            status, u = backend.control(*arguments_at(4.0, low[0] - distance, high[1] + distance))
             assert status[0] == OUTSIDE
             assert u[0, 0] > 0 > u[0, 1]
             tolerance = 1e-4 if backend.scalar == "float" else 1e-12  # width is rounded; the clamp is steep in it
             assert np.allclose(np.abs(u[0]), bound, rtol=tolerance)
 
 
-def test_a_negative_gain_turns_u_around() -> None:
+def test_a_negative_gain_changes_the_sign_of_u() -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    plus = built(parse_task(text))
-    minus = built(parse_task(text.replace("gain = 0.5", "gain = -0.5")))
+    positive = built(parse_task(text))
+    negative = built(parse_task(text.replace("gain = 0.5", "gain = -0.5")))
     points = np.linspace(0, 9, 40), np.random.default_rng(0).uniform(0, 5, (40, 2))
-    a = CompiledC(plus).control(*points)
-    b = CompiledC(minus).control(*points)
+    a = CompiledC(positive).control(*points)
+    b = CompiledC(negative).control(*points)
     assert np.array_equal(a[0], b[0])
     assert np.array_equal(a[1], -b[1])
 
 
-def test_u_max_saturates_u_and_changes_nothing_below() -> None:
+def test_u_max_saturates_u_and_changes_no_smaller_u() -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    free = built(parse_task(text))
-    held = built(parse_task(text.replace("gain = 0.5", "gain = 0.5\nu_max = [1.5, 0.75]")))
+    unlimited = built(parse_task(text))
+    limited = built(parse_task(text.replace("gain = 0.5", "gain = 0.5\nu_max = [1.5, 0.75]")))
     points = np.linspace(-1, 10, 200), np.random.default_rng(1).uniform(-1, 6, (200, 2))
     for kind in (lambda c: CompiledC(c), lambda c: GeneratedPython(c)):
-        a, b = kind(free).control(*points), kind(held).control(*points)
+        a, b = kind(unlimited).control(*points), kind(limited).control(*points)
         assert np.array_equal(a[0], b[0])
         assert np.array_equal(b[1], np.clip(a[1], [-1.5, -0.75], [1.5, 0.75]).astype(b[1].dtype))
         assert np.any(a[1] != b[1])
@@ -340,57 +348,57 @@ def test_u_may_be_the_array_x_itself(scalar: str) -> None:
     random = np.random.default_rng(2)
     for _ in range(50):
         t, x = float(random.uniform(0, 15)), random.uniform(0, 3.2, 3).astype(backend.number)
-        apart, shared = np.zeros(3, dtype=backend.number), x.copy()
-        first = control(t, x.ctypes.data, apart.ctypes.data)
+        separate, shared = np.zeros(3, dtype=backend.number), x.copy()
+        first = control(t, x.ctypes.data, separate.ctypes.data)
         assert control(t, shared.ctypes.data, shared.ctypes.data) == first
-        assert np.array_equal(apart, shared)
+        assert np.array_equal(separate, shared)
 
 
 @pytest.mark.parametrize("aliased", ["lower", "upper", "x"])
 def test_an_output_of_transform_may_be_an_input(aliased: str, c_float) -> None:
     low, high, x = (np.array(v, dtype=np.float32) for v in ([0.0, 1.0], [2.0, 4.0], [0.5, 3.5]))
-    want = [np.zeros(2, dtype=np.float32) for _ in range(3)]
+    expected = [np.zeros(2, dtype=np.float32) for _ in range(3)]
     call = c_float.library.omni_s2_transform
     call.argtypes = [ctypes.c_void_p] * 6
-    call(*(a.ctypes.data for a in (low, high, x, *want)))
+    call(*(a.ctypes.data for a in (low, high, x, *expected)))
     for k in range(3):
         inputs = {"lower": low.copy(), "upper": high.copy(), "x": x.copy()}
         outputs = [np.zeros(2, dtype=np.float32) for _ in range(3)]
         outputs[k] = inputs[aliased]
         call(*(a.ctypes.data for a in (*inputs.values(), *outputs)))
-        for got, expected in zip(outputs, want, strict=True):
-            assert np.array_equal(got, expected)
+        for output, separate_output in zip(outputs, expected, strict=True):
+            assert np.array_equal(output, separate_output)
 
 
 @settings(max_examples=400, deadline=None)
 @given(st.lists(BITS, min_size=3, max_size=3))
 def test_u_is_finite_for_every_bit_pattern(numbers: list[float]) -> None:
     controller = controller_of("omni_s2", "float")
-    backend = _compiled_once(controller)
+    backend = compiled_once(controller)
     t, *x = numbers
     status, u = backend.control(np.array([t], dtype=np.float32), np.array([x], dtype=np.float32))
     assert np.all(np.isfinite(u))
     assert (status[0] == BAD) == (not all(map(math.isfinite, numbers)))
 
 
-_COMPILED: dict[int, CompiledC] = {}
+COMPILED: dict[int, CompiledC] = {}
 
 
-def _compiled_once(controller: EmittedController) -> CompiledC:
-    if id(controller) not in _COMPILED:
-        _COMPILED[id(controller)] = CompiledC(controller)
-    return _COMPILED[id(controller)]
+def compiled_once(controller: EmittedController) -> CompiledC:
+    if id(controller) not in COMPILED:
+        COMPILED[id(controller)] = CompiledC(controller)
+    return COMPILED[id(controller)]
 
 
 @settings(max_examples=300, deadline=None)
 @given(st.lists(BITS, min_size=3, max_size=3), st.sampled_from([1.0, 1e-12, 1e-30]))
-def test_transform_never_fails_and_is_clamped_whatever_the_numbers(numbers: list[float], scale: float) -> None:
-    """The same in Python, which must not raise, and in C; |e| <= e_max."""
+def test_transform_is_clamped_and_never_fails_for_any_numbers(numbers: list[float], scale: float) -> None:
+    """C and Python, which must not raise, agree that |e| <= e_max."""
     low, high, x = (v * scale if math.isfinite(v) else v for v in numbers)
     controller = controller_of("omni_s2", "float")
     python = GeneratedPython(controller)
     arrays = [np.array([[v, 0.0]], dtype=np.float32) for v in (low, high, x)]
-    for backend in (python, _compiled_once(controller)):
+    for backend in (python, compiled_once(controller)):
         e, epsilon, xi = (v[0, 0] for v in backend.transform(*arrays))
         if math.isnan(e):
             assert math.isnan(epsilon)
@@ -409,23 +417,23 @@ def test_python_refuses_a_vector_of_the_wrong_length() -> None:
 
 
 def test_an_empty_tube_gives_zero_and_outside(monkeypatch) -> None:
-    """An uncertified tube whose edges have crossed: every x is outside, u is 0."""
-    good = controller_of("empty")
-    crossed = tuple(tuple((u, lo) for lo, u in row) for row in good.design.table)
+    """The edges of an uncertified tube cross: then every x is outside and u is 0."""
+    certified = controller_of("empty")
+    crossed = tuple(tuple((u, lo) for lo, u in row) for row in certified.design.table)
     from dataclasses import replace
 
-    monkeypatch.setattr("stt_codegen.pipeline.design_tube", lambda _: replace(good.design, table=crossed))
+    monkeypatch.setattr("stt_codegen.pipeline.design_tube", lambda _: replace(certified.design, table=crossed))
     task = load_task(ROOT / "tasks" / "empty.toml")
     for scalar in ("float", "double"):
         controller = build_task(task.with_options(scalar=scalar), uncertified=True)
         for backend in (CompiledC(controller), GeneratedPython(controller)):
             for x in ((0.5, 0.5), (100.0, -100.0)):
-                status, u = backend.control(*at(1.0, *x))
+                status, u = backend.control(*arguments_at(1.0, *x))
                 assert status[0] == OUTSIDE
                 assert np.all(u == 0)
 
 
-def test_a_tube_narrower_than_the_least_width_still_gives_finite_inward_u(backends) -> None:
+def test_a_tube_below_the_minimum_width_gives_finite_inward_u(backends) -> None:
     width = float(MINIMUM_WIDTH) / 1000
     for backend in backends:
         e, epsilon, xi = backend.transform(np.zeros((1, 2)), np.full((1, 2), width), np.array([[-1.0, 1.0]]))
@@ -443,19 +451,19 @@ def test_a_gain_or_clamp_that_would_overflow_is_refused() -> None:
             build_program(task, controller_of("omni_s2").design)
 
 
-def test_design_hash_names_the_design_and_its_options() -> None:
-    def hashed(controller: EmittedController) -> str:
+def test_the_design_hash_differs_for_every_design_and_option() -> None:
+    def design_hash(controller: EmittedController) -> str:
         return re.search(r'DESIGN_HASH "(\w+)"', controller.files[f"{controller.task.name}.h"].decode()).group(1)
 
-    names = {hashed(controller_of(name, scalar)) for name in NAMES for scalar in ("float", "double")}
-    assert len(names) == 2 * len(NAMES)
-    assert all(len(n) == 16 for n in names)
+    hashes = {design_hash(controller_of(name, scalar)) for name in NAMES for scalar in ("float", "double")}
+    assert len(hashes) == 2 * len(NAMES)
+    assert all(len(n) == 16 for n in hashes)
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
     gain = built(parse_task(text.replace("gain = 0.5", "gain = 0.25")))
-    assert hashed(gain) != hashed(controller_of("omni_s2"))
+    assert design_hash(gain) != design_hash(controller_of("omni_s2"))
 
 
-def test_the_certificate_binds_task_data_and_files() -> None:
+def test_the_certificate_has_digests_of_task_and_files_and_margins_in_units() -> None:
     import hashlib
     import json
 
@@ -472,7 +480,7 @@ def test_the_certificate_binds_task_data_and_files() -> None:
         if "margin" in claim:
             code = claim["property"]
             assert claim["margin"] * unit >= margins[code] - unit  # rounded down to whole units
-            if code != "P4":  # of all sets: the least is the finding's
+            if code != "P4":  # a finding has the smallest margin of all sets
                 assert claim["margin"] * unit <= margins[code]
             assert claim["margin"] >= (2 * error if code == "P1" else error)
 
@@ -490,8 +498,8 @@ def test_a_clamp_too_near_zero_or_one_for_the_scalar_is_refused() -> None:
 
 def test_the_emitted_u_never_exceeds_u_max_although_0_1_is_no_float() -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    held = built(parse_task(text.replace("gain = 0.5", "gain = 0.5\nu_max = [0.1, 0.7]")))
-    _, u = CompiledC(held).control(np.linspace(0, 9, 50), np.random.default_rng(1).uniform(-1, 6, (50, 2)))
+    limited = built(parse_task(text.replace("gain = 0.5", "gain = 0.5\nu_max = [0.1, 0.7]")))
+    _, u = CompiledC(limited).control(np.linspace(0, 9, 50), np.random.default_rng(1).uniform(-1, 6, (50, 2)))
     for k, bound in enumerate((Fraction("0.1"), Fraction("0.7"))):
         largest = Fraction(float(np.abs(u[:, k]).max()))
         assert bound * (1 - Fraction(1, 2**22)) < largest <= bound
@@ -519,8 +527,8 @@ def test_the_margin_is_positive_exactly_where_the_status_is_ok(backends) -> None
         number = np.float32 if backend.scalar == "float" else np.float64
         t = random.uniform(0, 9, 400).astype(number)
         low, high = backend.tube(t)
-        near = random.choice([0, 1, 2], low.shape)
-        x = np.where(near == 0, low, np.where(near == 1, high, np.nextafter(low, high))).astype(number)
+        side = random.choice([0, 1, 2], low.shape)  # at the lower edge, at the upper one, or just inside
+        x = np.where(side == 0, low, np.where(side == 1, high, np.nextafter(low, high))).astype(number)
         status, _ = backend.control(t, x)
         margin = backend.margin(t, x)
         assert np.array_equal(margin > 0, status == OK)
@@ -528,14 +536,14 @@ def test_the_margin_is_positive_exactly_where_the_status_is_ok(backends) -> None
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_the_margin_of_what_is_not_finite_is_nan(backends, bad: float) -> None:
+def test_the_margin_of_a_non_finite_number_is_nan(backends, bad: float) -> None:
     for backend in backends:
         assert np.isnan(backend.margin(np.array([bad]), np.array([[1.0, 1.0]])))[0]
         assert np.isnan(backend.margin(np.array([1.0]), np.array([[1.0, bad]])))[0]
 
 
-def test_an_empty_tube_divides_by_nothing_whatever_it_is(backends) -> None:
-    """Inside out by a little, by much, by more than a number's precision: 0, and Python raises nothing."""
+def test_transform_of_any_empty_tube_is_zero_without_an_error(backends) -> None:
+    """Edges cross by little, by much, or by more than the precision of a number: the values are 0, and Python raises nothing."""
     random = np.random.default_rng(11)
     lower = random.choice([0.0, 1.0, 8589934592.0, 1e30, -9.5e-6], (2000, 2))
     upper = lower - random.choice([0.0, 5e-324, 9.5e-6, 1.0, 17.0, 1e9, 1e30], lower.shape)

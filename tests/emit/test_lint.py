@@ -1,4 +1,4 @@
-"""clang-tidy has nothing to say about the emitted C, and MISRA C:2012 only what docs/c.md lists with its reason."""
+"""clang-tidy has no warning for the emitted C, and its deviations from MISRA C:2012 are those that docs/c.md lists with reasons."""
 
 from __future__ import annotations
 
@@ -15,9 +15,11 @@ CHECKS = "-*,bugprone-*,cert-*,clang-analyzer-*,misc-*,performance-*,portability
 DEVIATIONS = set(re.findall(r"^\| (\d+\.\d+) \|", (ROOT / "docs" / "c.md").read_text(), re.M))
 
 
-def misra(folder: Path, cppcheck: str, work: Path) -> set[str]:
-    """The rules that cppcheck's addon finds broken in a folder's C files, taken as one program. It writes beside what it reads, and
-    other tests compare what is recorded byte by byte: so it gets copies."""
+def broken_misra_rules(folder: Path, cppcheck: str, work: Path) -> set[str]:
+    """Return the rules that cppcheck's addon finds broken in a folder's C files, taken as one program.
+
+    It reads copies in `work`, as it writes files beside them, and other tests compare the folder byte by byte.
+    """
     for path in folder.glob("*.[ch]"):
         (work / path.name).write_bytes(path.read_bytes())
     paths = sorted(map(str, work.glob("*.c")))
@@ -28,30 +30,30 @@ def misra(folder: Path, cppcheck: str, work: Path) -> set[str]:
 
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_every_misra_deviation_is_listed(folder: str, tool, tmp_path) -> None:
-    found = misra(ROOT / "generated" / folder, tool("cppcheck"), tmp_path)
-    assert "15.5" in found  # the addon ran
-    assert found <= DEVIATIONS
+    rules = broken_misra_rules(ROOT / "generated" / folder, tool("cppcheck"), tmp_path)
+    assert "15.5" in rules  # the addon ran
+    assert rules <= DEVIATIONS
 
 
-def test_every_listed_deviation_is_there(tool, tmp_path) -> None:
-    found: set[str] = set()
+def test_every_listed_deviation_occurs(tool, tmp_path) -> None:
+    rules: set[str] = set()
     for k, folder in enumerate(("omni_board/refined/float", "gantry/refined/fixed")):
         (tmp_path / str(k)).mkdir()
-        found |= misra(ROOT / "generated" / folder, tool("cppcheck"), tmp_path / str(k))
-    assert found == DEVIATIONS
+        rules |= broken_misra_rules(ROOT / "generated" / folder, tool("cppcheck"), tmp_path / str(k))
+    assert rules == DEVIATIONS
 
 
 def test_a_new_deviation_is_found(tool, tmp_path) -> None:
-    """An octal constant, rule 7.1."""
+    """The new deviation is an octal constant, rule 7.1."""
     source = ROOT / "generated" / "omni_s2" / "refined" / "float" / "omni_s2.c"
     (tmp_path / "omni_s2.h").write_text(source.with_suffix(".h").read_text())
     (tmp_path / "omni_s2.c").write_text(source.read_text().replace("i * 2;", "i * 02;"))
     (tmp_path / "work").mkdir()
-    assert "7.1" in misra(tmp_path, tool("cppcheck"), tmp_path / "work") - DEVIATIONS
+    assert "7.1" in broken_misra_rules(tmp_path, tool("cppcheck"), tmp_path / "work") - DEVIATIONS
 
 
 @pytest.mark.slow
-def test_clang_tidy_has_nothing_to_say(tool) -> None:
+def test_clang_tidy_gives_no_warning(tool) -> None:
     paths = sorted(map(str, (ROOT / "generated").rglob("*.c")))
     command = [tool("clang-tidy"), "--quiet", f"--checks={CHECKS}", *paths, "--", "-std=c99"]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -59,7 +61,7 @@ def test_clang_tidy_has_nothing_to_say(tool) -> None:
     assert result.returncode == 0
 
 
-def test_clang_tidy_finds_what_it_looks_for(tool, tmp_path) -> None:
+def test_clang_tidy_warns_about_a_known_defect(tool, tmp_path) -> None:
     (tmp_path / "a.c").write_text("long f(int a, int b);\nlong f(int a, int b) { return a * b + sizeof(sizeof(int)); }\n")
     command = [tool("clang-tidy"), "--quiet", f"--checks={CHECKS}", str(tmp_path / "a.c"), "--", "-std=c99"]
     result = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -73,8 +73,8 @@ def test_bounds_hold_for_random_states_constants_and_samples(name: str) -> None:
             assert (bounds.diagonal_min <= np.diag(g)).all()
             assert (np.diag(g) <= bounds.diagonal_max).all()
             assert (np.abs(g - np.diag(np.diag(g))) <= bounds.cross + 1e-15).all()
-    assert analysed.mixed_age == (
-        math.inf if plant.mixing is None else pytest.approx(float(analysed.wanted + analysed.latency) * 1.01)
+    assert analysed.known_mixing_age == (
+        math.inf if plant.mixing is None else pytest.approx(float(analysed.wanted_period + analysed.latency) * 1.01)
     )
 
 
@@ -86,7 +86,7 @@ def test_bounds_of_a_window_hold_for_the_oldest_sample(name: str) -> None:
     design = controller.design
     assert isinstance(design, RefinedDesign)
     evaluate, (slow, fast) = model(plant, n, 2), velocity_bounds(design)
-    age, largest_share = analysed.wanted + analysed.latency, 0.0
+    age, largest_share = analysed.wanted_period + analysed.latency, 0.0
     for k in range(0, len(analysed.bounds), 3):
         for _ in range(60):
             x, v = draw.uniform(analysed.windows.low[k], analysed.windows.high[k]), draw.choice([-1, 1], size=n) * fast[k]

@@ -358,7 +358,9 @@ def test_balls_of_exponent_and_mantissa_hold_those_of_every_number_inside(low: f
     for share in shares:
         number = low + (low * factor - low) * share
         fraction, power = math.frexp(number)
-        fraction, power = (fraction, power) if fraction >= float(FORMATS["double"].smallest_mantissa) else (2 * fraction, power - 1)
+        fraction, power = (
+            (fraction, power) if fraction >= float(FORMATS["double"].smallest_mantissa) else (2 * fraction, power - 1)
+        )
         assert exponents.contains(power)
         assert mantissas.contains(fraction)
 

@@ -103,7 +103,10 @@ def test_the_outline_of_an_ell_is_certified_and_checked_and_its_tube_is_in_it(tm
     (tmp_path / "ell.toml").write_text(BY_VERTICES.replace("vertices =", "outline ="))
     controller = build(tmp_path / "ell.toml")
     assert controller.certificate.holds
-    assert times_outside(listed_room_of(ELL), controller.design, (0, 1), (Fraction(0),) * 2, clearance=Fraction("0.05"), parts=16) == []
+    assert (
+        times_outside(listed_room_of(ELL), controller.design, (0, 1), (Fraction(0),) * 2, clearance=Fraction("0.05"), parts=16)
+        == []
+    )
     for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
     paths = [str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]

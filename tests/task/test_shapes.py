@@ -636,7 +636,9 @@ def test_sets_that_the_judge_cannot_decide_exactly_are_named() -> None:
     assert enlarged_sets(task_with_one_set(4, simplex, "body = [0.1, 0.1, 0.1, 0.1]")) == ["U1"]
     assert enlarged_sets(task_with_one_set(4, "centre = [0, 0, 0, 0]\nradius = 1", "body = [0.1, 0.1, 0.1, 0.1]")) == []
     assert (
-        enlarged_sets(task_with_one_set(4, 'vertices = [[0, 0], [1, 0], [0, 1]]\naxes = ["a0", "a2"]', "body = [0.1, 0.1, 0.1, 0.1]"))
+        enlarged_sets(
+            task_with_one_set(4, 'vertices = [[0, 0], [1, 0], [0, 1]]\naxes = ["a0", "a2"]', "body = [0.1, 0.1, 0.1, 0.1]")
+        )
         == []
     )
 
