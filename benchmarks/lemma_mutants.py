@@ -555,7 +555,7 @@ def _slack_values() -> list[float]:
 
 def _time_error_values() -> list[float]:
     _, tube, _ = _sample_task()
-    return [float(arithmetic.time_error(tube, scalar) * 1e9) for scalar in ("float", "double")]
+    return [float(arithmetic.spline_time_error(tube, scalar) * 1e9) for scalar in ("float", "double")]
 
 
 # Functions that lemmas run: the module or class that has them, their names, values that they influence, modules of the lemmas.
@@ -586,7 +586,7 @@ LEMMA_CODE: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], .
     (slack, "smallest_slack _halve halves units_above", _slack_values, (spline_edges, constraint_lemmas)),
     (slack.ConstraintBlock, "choice _build single slack slack_by_constraint slack_of_block _smallest_left_side set_of",
      _slack_values, (constraint_lemmas,)),
-    (arithmetic, "late time_error", _time_error_values, (spline_edges,)),
+    (arithmetic, "rounded_time_error spline_time_error", _time_error_values, (spline_edges,)),
 )  # fmt: skip
 
 

@@ -212,11 +212,11 @@ def _refined_program(task: Task, design: RefinedDesign) -> Program:
 
 def _choose_refined_gain(task: Task, design: RefinedDesign) -> Sequence[Fraction]:
     from stt_codegen.certify.sampled import choose_gain
-    from stt_codegen.controller import errors_of_tube
+    from stt_codegen.controller import edge_and_rate_errors
 
     if task.emit.scalar == "fixed":  # a control law in integers has no constants before there is a gain
-        return choose_gain(task, design, *errors_of_tube(design, None, task.emit.tick_period))
-    return choose_gain(task, design, *errors_of_tube(design, _refined_program(task, design)))
+        return choose_gain(task, design, *edge_and_rate_errors(design, None, task.emit.tick_period))
+    return choose_gain(task, design, *edge_and_rate_errors(design, _refined_program(task, design)))
 
 
 def within_32_bits(program: Program) -> Program:

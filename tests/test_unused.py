@@ -36,7 +36,7 @@ USED_ELSEWHERE = {
 
 # Names that two or more classes have today. A name leaves the list when its classes are renamed, and none is added.
 REPEATED = """
-    Filter Frame Row
+    Row
 """
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.controller import starts_of
+from stt_codegen.controller import compute_covered_starts
 from stt_codegen.designs import MINIMUM_WIDTH, AdaptiveDesign, RefinedDesign
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.backend import Backend
@@ -138,8 +138,8 @@ class CasadiRefined(_CasadiLaw):
         return (np.minimum(self._shares(low, high, x), self._shares(lower, upper, filtered)),)
 
     def _covered(self, *state: Array) -> tuple[Array, ...]:
-        starts = starts_of(self.task, self.design)
-        places, sums = (np.array([[float(v) for v in pair] for pair in bounds]) for bounds in (starts.places, starts.filtered))
+        starts = compute_covered_starts(self.task, self.design)
+        places, sums = (np.array([[float(v) for v in pair] for pair in bounds]) for bounds in (starts.positions, starts.filtered))
         inside = ((places[:, 0] < state[0]) & (state[0] < places[:, 1])).all(axis=1)
         if self.design.filter:
             filtered = state[1] + np.array([float(s) for s in self.design.filter]) * state[0]

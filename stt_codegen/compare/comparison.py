@@ -36,7 +36,7 @@ from stt_codegen.compare.integer_comparison import integer_rows, same_as_python
 from stt_codegen.compare.law_bounds import law_spread, logarithm_error
 from stt_codegen.compare.points import random_alpha, random_states, random_times, with_trajectory
 from stt_codegen.compare.start_comparison import covered_row
-from stt_codegen.controller import edge_error, errors_of_tube, probe_program, rate_error, ticks_of
+from stt_codegen.controller import edge_error, edge_and_rate_errors, probe_program, rate_error, tick_constants
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.designs import MINIMUM_WIDTH, AdaptiveDesign, Design, RefinedDesign, for_any_design, parameters_of
 from stt_codegen.errors import MissingTool, NotCertified
@@ -199,7 +199,7 @@ def _rows_of_refined(rows: _Rows, design: RefinedDesign, compared: _Compared) ->
 
 
 def _integer_rows(rows: _Rows, controller: EmittedController, design: RefinedDesign, backend: Backend, points: int) -> None:
-    edge, rate = (np.array([float(v) for v in error]) for error in errors_of_tube(design, controller.program))
+    edge, rate = (np.array([float(v) for v in error]) for error in edge_and_rate_errors(design, controller.program))
     integer_rows(controller, design, backend, points, (edge, rate), rows.add, rows.status)
     other = same_as_python(controller, design, backend, points)
     rows.rows.append(Row(backend.name, "bits as Python's", float(other), float(other), 2.0 if other else 0.0, points=points))
@@ -237,7 +237,7 @@ def _refined_rows(rows: _Rows, controller: EmittedController, design: RefinedDes
     _law_rows(rows, controller, (low, high, delta), x, backend.control(t, x), "")
     period = task.emit.tick_period
     if period is not None:
-        ends = np.array([0, 1, *(ticks_of(design, period).last + k for k in (-2, -1, 0, 1)), 2**32 - 1])
+        ends = np.array([0, 1, *(tick_constants(design, period).end_tick + k for k in (-2, -1, 0, 1)), 2**32 - 1])
         ticks = np.clip(np.rint(t.astype(float) / float(period)), 0, 2**32 - 1).astype(np.int64)
         ticks[: len(ends)] = np.maximum(ends, 0)
         low, high = reference.tube(table, unit, t_c, ticks.astype(np.longdouble) * reference.exact(period))

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from stt_codegen import reference
 from stt_codegen.compare.law_bounds import law_spread
 from stt_codegen.compare.start_comparison import covered_row
-from stt_codegen.controller.integers import FARTHEST, MARGIN_BITS, clock_of, curves, law_error, law_of, widest
+from stt_codegen.controller.integers import LARGEST_STATE, MARGIN_BITS, choose_clock, curves, law_error, build_integer_law, largest_law_width
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program import Program
@@ -39,7 +39,7 @@ def ticks_and_states(controller: EmittedController, design: RefinedDesign, count
     task, dice = controller.task, Random(seed)
     assert task.emit.tick_period is not None
     python = load_module(task.name, controller.files[f"{task.name}.py"])
-    last = clock_of(design, task.emit.tick_period).last
+    last = choose_clock(design, task.emit.tick_period).end_tick
     ticks, states, speeds = [], [], []
 
     clamp = float(1 - max(task.e_max)) / 2  # of the way from an edge to the other
@@ -80,13 +80,13 @@ def integer_rows(
     task, program = controller.task, controller.program
     assert program.tick is not None
     tick, *states = ticks_and_states(controller, design, points)
-    unit, law = float(design.unit), law_of(task, design)
+    unit, law = float(design.unit), build_integer_law(task, design)
     t = tick.astype(np.longdouble) * reference.exact(program.tick)
     places = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
     delta, rate_delta = errors
     add("tube", np.stack(backend.call("tube", tick)) * unit, np.stack(places), delta[None, None], float(np.abs(places).max()))
     low, high = places
-    farthest = FARTHEST >> 2 if design.filter else FARTHEST  # a state that is farther out counts as so far
+    farthest = LARGEST_STATE >> 2 if design.filter else LARGEST_STATE  # a state that is farther out counts as so far
     x = np.clip(states[0], -farthest, farthest) * unit
     held, moved = x, delta
     edges: tuple[Array, Array] = places
@@ -95,13 +95,13 @@ def integer_rows(
         value = np.array([reference.exact(v) for v in design.filter])
         edges = (slopes[0] + value * low, slopes[1] + value * high)
         held, moved = (
-            np.clip(states[1], -FARTHEST, FARTHEST) * unit + value * x,
+            np.clip(states[1], -LARGEST_STATE, LARGEST_STATE) * unit + value * x,
             np.asarray(rate_delta + value * delta, dtype=float),
         )
         got = np.stack(backend.call("filtered_tube", tick)) * unit
         add("filtered tube", got, np.stack(edges), moved[None, None], float(np.abs(edges).max()))
     codes, u = backend.call("control", tick, *states)
-    relative, in_eps = (float(v) for v in law_error(law, widest(task, design)))
+    relative, in_eps = (float(v) for v in law_error(law, largest_law_width(task, design)))
     _, true = reference.control(*edges, held, task.gain, task.e_max, u_max=task.u_max)
     _, plain = reference.control(*edges, held, task.gain, task.e_max)
     e, _, xi = reference.transform(*edges, held, task.e_max)
@@ -118,7 +118,7 @@ def integer_rows(
     shares = [np.clip(np.minimum(z - a, b - z) / (b - a), -1, 0.5) for z, (a, b), _ in rooms]
     loose = [(1 + 2 * np.abs(s)) * d / (b - a - 2 * d) for s, (_, (a, b), d) in zip(shares, rooms, strict=True)]
     want = np.minimum.reduce(shares)
-    over = float(curves.relative_error(law.octaves)[0]) + 2.0**-17
+    over = float(curves.relative_errors(law.octaves)[0]) + 2.0**-17
     got = backend.call("margins", tick, *states)[0] * 2.0**-MARGIN_BITS
     add("margins", got, want, np.maximum.reduce(loose) + over * np.abs(want) + 2 * 2.0**-MARGIN_BITS, 1.0)
     want, bound = want.min(axis=1), np.maximum.reduce([d.max(axis=1) for d in loose])

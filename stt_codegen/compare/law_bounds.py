@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.controller.kernels import relative_error
+from stt_codegen.controller.kernels import inline_logarithm_error
 from stt_codegen.pipeline import EmittedController
 
 Array = npt.NDArray[Any]
@@ -16,7 +16,7 @@ Array = npt.NDArray[Any]
 def logarithm_error(controller: EmittedController) -> float:
     """Relative error of epsilon where the logarithm is written out; 0 with a library's."""
     inline = controller.task.emit.math == "inline"
-    return float(relative_error(controller.program.scalar)) if inline else 0.0
+    return float(inline_logarithm_error(controller.program.scalar)) if inline else 0.0
 
 
 def law_spread(low: Array, high: Array, x: Array, delta: Array, e_max: Array) -> Array:

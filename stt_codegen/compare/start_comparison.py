@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from stt_codegen import reference
 from stt_codegen.compare.points import random_states
-from stt_codegen.controller import starts_of
+from stt_codegen.controller import compute_covered_starts
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.backend import Backend
@@ -25,13 +25,13 @@ def covered_row(
     rounding of a bound either is right, and what the backend says is taken. States stand about the start box; of order 2 so does
     v + lambda x about its own."""
     task = controller.task
-    starts, n = starts_of(task, design), task.dimension
-    places = np.array([[float(v) for v in pair] for pair in starts.places])
+    starts, n = compute_covered_starts(task, design), task.dimension
+    places = np.array([[float(v) for v in pair] for pair in starts.positions])
     low, high = (np.broadcast_to(places[:, k], (count, n)) for k in (0, 1))
     is_fixed = backend.scalar == "fixed"
     scale = float(design.unit) if is_fixed else 1.0
     x = _numbers(random_states(task, low, high, "double"), backend, scale)
-    rooms, inputs = [(x * scale, starts.places)], [x]
+    rooms, inputs = [(x * scale, starts.positions)], [x]
     if starts.filtered:
         sums = np.array([[float(v) for v in pair] for pair in starts.filtered])
         value = np.array([reference.exact(v) for v in design.filter])

@@ -1,11 +1,12 @@
-"""Which starts the guarantee covers, as bounds that `covered` compares a measurement with.
+"""Which starts the guarantee covers, and the emitted function `covered` that tells a caller so for a measured start.
 
-With `control.period` these are the starts that P9 is proved for: |e(0)| within `initial_set.share`, and for order 2 v + lambda x
-as near the middle of the filtered tube as it is from the starts that the task states (`inertial_start_bound`: P9's invariant
-begins there). Without it they are those of Theorem 4.1 at which the clamp does not act: |e(0)| < e_max, in continuous time.
+With `control.period` the covered starts are those that P9 is proved for: |e(0)| is within `initial_set.share`, and for order 2 v
++ lambda x is as near the middle of the filtered tube as it can be from the starts that the task states (`inertial_start_bound`,
+at which P9's invariant begins). Without a period they are the starts of Theorem 4.1 of the paper at which the clamp does not
+act: |e(0)| < e_max, in continuous time.
 
-What a measurement may be wrong by is taken off both sides: noise, and the rounding of x, v and their sum to the scalar. So a
-measurement strictly between the bounds belongs to no state that is not covered.
+The bounds are narrowed on both sides by the largest error of a measurement: noise, and the rounding of x, v and their sum to the
+scalar. So every state whose measurement is strictly between the bounds is covered. refined_frame.py and integers/ call this file.
 """
 
 from __future__ import annotations
@@ -38,147 +39,165 @@ from stt_codegen.properties import Property
 from stt_codegen.sampling import FRACTIONS, inertial_start_bound
 from stt_codegen.task import Task
 
-Bounds = tuple[tuple[Fraction, Fraction], ...]
-NAMES = ("start_lower", "start_upper", "filtered_start_lower", "filtered_start_upper")
+Intervals = tuple[tuple[Fraction, Fraction], ...]  # by component, (lower, upper)
+BOUND_TABLES = ("start_lower", "start_upper", "filtered_start_lower", "filtered_start_upper")  # names in emitted code
 
 
 @dataclass(frozen=True)
-class Starts:
-    """By component, the exact bounds between which x, and for order 2 v + lambda x, is of a start that is covered; empty where
-    the errors of a measurement leave nothing. `filtered` is () for order 1."""
+class CoveredStarts:
+    """The exact open intervals, by component, in which a measured x, and for order 2 a measured v + lambda x, is a covered start.
 
-    places: Bounds
-    filtered: Bounds
+    An interval whose lower bound is not below its upper one is empty: the errors of a measurement leave nothing of it. `filtered`
+    is () for order 1."""
+
+    positions: Intervals
+    filtered: Intervals
 
     def tables(self, scalar: str, unit: Fraction) -> tuple[Table, ...]:
-        """The bounds rounded inwards, for strict comparisons; in units of integers where `scalar` is "fixed"."""
-        columns = [*zip(*self.places, strict=True), *zip(*self.filtered, strict=True)]
-        names, docs = NAMES[: len(columns)], _table_docs(bool(self.filtered))
+        """Return the tables of the bounds, rounded inwards for strict comparisons.
+
+        Where `scalar` is "fixed" they are integers and count `unit`."""
+        columns = [*zip(*self.positions, strict=True), *zip(*self.filtered, strict=True)]
+        names, docs = BOUND_TABLES[: len(columns)], _table_docs(has_filter=bool(self.filtered))
         is_fixed = scalar == "fixed"
-        kind: Type = INT if is_fixed else REAL
+        number_type: Type = INT if is_fixed else REAL
         tables = []
-        for k, (name, values, doc) in enumerate(zip(names, columns, docs, strict=True)):
-            if is_fixed:  # the last integer that is not covered
-                entries = [Fraction(math.floor(v / unit) + 1 if k % 2 else math.ceil(v / unit) - 1) for v in values]
+        for k, (name, bounds, doc) in enumerate(zip(names, columns, docs, strict=True)):
+            is_upper = k % 2 == 1
+            if is_fixed:  # the nearest integer that is not covered: comparisons are strict
+                entries = [Fraction(math.floor(v / unit) + 1 if is_upper else math.ceil(v / unit) - 1) for v in bounds]
             else:
-                entries = [round_toward(v, scalar, up=k % 2 == 0) for v in values]
-            tables.append(Table(name, tuple(entries), len(entries), (doc,), kind))
+                entries = [round_toward(v, scalar, up=not is_upper) for v in bounds]
+            tables.append(Table(name, tuple(entries), len(entries), (doc,), number_type))
         return tuple(tables)
 
 
 def without_covered_starts(program: Program) -> Program:
-    """The same program, whose `covered` is always false: for a controller that is written although it is not certified."""
-    empty = (replace(t, values=(Fraction(0),) * len(t.values)) if t.name in NAMES else t for t in program.tables)
-    return replace(program, tables=tuple(empty))
+    """Return the program with a `covered` that is always false: for a controller that is written without a certificate."""
+    tables = (replace(t, values=(Fraction(0),) * len(t.values)) if t.name in BOUND_TABLES else t for t in program.tables)
+    return replace(program, tables=tuple(tables))
 
 
 def start_share(task: Task) -> Fraction:
-    """The share of the half widths of gamma(0) in which starts are covered: proved for sampling, or unclamped."""
+    """Return the share of the half widths of gamma(0) in which starts are covered: proved for sampling, or without clamp."""
     return task.initial_set.share if task.control.period is not None else min(task.e_max)
 
 
 def measurement_error(task: Task) -> Fraction:
-    """What a measured x may be wrong by before it is rounded: noise, and where axes close what unwrapping adds, whether or not
-    the task states a plant or a period."""
-    return (task.as_stated.plant.noise or Fraction(0)) + max(
-        (axis.unwrap_error for axis in task.closed_axes), default=Fraction(0)
-    )
+    """Return the largest error of a measured x before it is rounded: stated noise, and the error of unwrapping closed axes."""
+    unwrap_error = max((axis.unwrap_error for axis in task.closed_axes), default=Fraction(0))
+    return (task.as_stated.plant.noise or Fraction(0)) + unwrap_error
 
 
-def starts_of(task: Task, design: RefinedDesign) -> Starts:
-    """The bounds, exact, in the task's units (of v + lambda x: a second)."""
-    share, noise, size = start_share(task), measurement_error(task), task.largest_coordinate
-    edges = design.bezier()[0, :, :, 0]
-    ends = [(int(a) * design.unit, int(b) * design.unit) for a, b in edges]
-    rounding = _rounding(task, design)
-    places = tuple(_inner(low, high, share, noise + rounding * size) for low, high in ends)
+def compute_covered_starts(task: Task, design: RefinedDesign) -> CoveredStarts:
+    """Compute the intervals of covered starts, exactly, in the task's units; for v + lambda x in units per second."""
+    share = start_share(task)
+    edges = [(int(low) * design.unit, int(high) * design.unit) for low, high in design.bezier()[0, :, :, 0]]  # of gamma(0)
+    x_error = measurement_error(task) + _relative_rounding(task, design) * task.largest_coordinate
+    positions = tuple(_narrowed(low, high, share, x_error) for low, high in edges)
     if task.order == 1:
-        return Starts(places, ())
-    reaches = inertial_start_bound(task, design, numbers=FRACTIONS) if task.control.period is not None else None
-    is_known = reaches is not None and bool((reaches < math.inf).all())
-    noise_v = Fraction(0) if task.uses_differences else task.plant.noise_v or Fraction(0)
+        return CoveredStarts(positions, ())
     filtered = []
-    for i, ((low, high), (low_rate, high_rate), value) in enumerate(
-        zip(ends, slopes_at_start(design), design.filter, strict=True)
-    ):
-        lower, upper = low_rate + value * low, high_rate + value * high
-        far = max(abs(lower), abs(upper))
-        shares = FRACTIONS.share_of_eps(reaches[i]) if reaches is not None and is_known else share
-        if task.emit.scalar == "fixed":  # x and v are half a unit off, and lambda times x is rounded down
-            wrong = design.unit * (Fraction(3, 2) + value / 2)
-        else:  # x and v, their product and sum are rounded: each of at most what is added up here
-            wrong = 2 * rounding * (2 * value * size + far)
-        filtered.append(_inner(lower, upper, shares, noise_v + value * noise + wrong))
-    return Starts(places, tuple(filtered))
+    edges_and_rates = zip(edges, slopes_at_start(design), design.filter, _filtered_shares(task, design), strict=True)
+    for (low, high), (low_rate, high_rate), lambda_, filtered_share in edges_and_rates:
+        lower, upper = low_rate + lambda_ * low, high_rate + lambda_ * high
+        error = _filtered_error(task, design, lambda_, max(abs(lower), abs(upper)))
+        filtered.append(_narrowed(lower, upper, filtered_share, error))
+    return CoveredStarts(positions, tuple(filtered))
 
 
-def _inner(low: Fraction, high: Fraction, share: Fraction, wrong: Fraction) -> tuple[Fraction, Fraction]:
-    """The share of an interval about its middle, less what a measurement is wrong by."""
-    half, middle = share * (high - low) / 2 - wrong, (low + high) / 2
+def _filtered_shares(task: Task, design: RefinedDesign) -> list[Fraction]:
+    """Return, by component, the share of the half width of the filtered tube in which v + lambda x is covered."""
+    epsilon_bounds = inertial_start_bound(task, design, numbers=FRACTIONS) if task.control.period is not None else None
+    if epsilon_bounds is None or not bool((epsilon_bounds < math.inf).all()):
+        return [start_share(task)] * task.dimension
+    return [FRACTIONS.share_of_eps(bound) for bound in epsilon_bounds]
+
+
+def _filtered_error(task: Task, design: RefinedDesign, lambda_: Fraction, largest_edge: Fraction) -> Fraction:
+    """Bound the error of v + lambda x as `covered` computes it from measurements. largest_edge: of the filtered tube at 0."""
+    noise_v = Fraction(0) if task.uses_differences else task.plant.noise_v or Fraction(0)
+    if task.emit.scalar == "fixed":  # x and v are half a unit off, and lambda times x is rounded down
+        rounding = design.unit * (Fraction(3, 2) + lambda_ / 2)
+    else:  # x, v, their product and their sum are rounded; the bracket bounds the sum of their sizes
+        rounding = 2 * _relative_rounding(task, design) * (2 * lambda_ * task.largest_coordinate + largest_edge)
+    return noise_v + lambda_ * measurement_error(task) + rounding
+
+
+def _narrowed(low: Fraction, high: Fraction, share: Fraction, error: Fraction) -> tuple[Fraction, Fraction]:
+    """Return the middle part of an interval: this share of it, less the error on both sides."""
+    half, middle = share * (high - low) / 2 - error, (low + high) / 2
     return middle - half, middle + half
 
 
-def _rounding(task: Task, design: RefinedDesign) -> Fraction:
-    """What a coordinate is rounded by, over the largest one: twice half a unit in the last place, as what is rounded may be
-    larger than what it is rounded to; half a unit of integers."""
+def _relative_rounding(task: Task, design: RefinedDesign) -> Fraction:
+    """Bound the rounding of a coordinate over the largest coordinate.
+
+    Twice half a unit in the last place, as a number may be larger before it is rounded than after; half a unit of integers."""
     if task.emit.scalar == "fixed":
         return design.unit / 2 / task.largest_coordinate
     return 2 * FORMATS[task.emit.scalar].roundoff
 
 
-def _table_docs(inertial: bool) -> list[str]:
-    text = "Covered starts have x strictly {} these bounds, by component."
-    more = "The same of v + lambda x: strictly {} these bounds."
-    return [text.format("above"), text.format("below")] + [more.format(w) for w in ("above", "below") if inertial]
+def _table_docs(*, has_filter: bool) -> list[str]:
+    """Return one comment for each table of bounds."""
+    position = "Covered starts have x strictly {} these bounds, by component."
+    filtered = "The same of v + lambda x: strictly {} these bounds."
+    texts = [position, filtered] if has_filter else [position]
+    return [text.format(relation) for text in texts for relation in ("above", "below")]
 
 
-def covered_function(task: Task, n: int, filter_of: Callable[[Block, Operand], Operand] | None) -> Function:
-    """`covered` in floating point; a NaN is between nothing. filter_of: statements for a component's lambda, None for order 1."""
+def build_covered(task: Task, n: int, write_lambda: Callable[[Block, Operand], Operand] | None) -> Function:
+    """Build `covered` in floating point; it is false for a NaN.
+
+    write_lambda: writes statements for a component's lambda; None for order 1. Strings are names in emitted code."""
     block = Block({"x", "v"})
     with block.loop("i", n) as loop:
-        covered, i = loop.carry("covered", TRUE), loop.index
+        is_covered, i = loop.carry("covered", TRUE), loop.index
         x = block.let("x_i", Load("x", i))
-        inside = between_bounds(block, x, i, NAMES[:2])
-        if filter_of is not None:
-            filtered = block.op("filtered", "mul", x, filter_of(block, i))
-            z = block.op("z", "add", block.let("v_i", Load("v", i)), filtered)
-            inside = block.op("inside", "and", inside, between_bounds(block, z, i, NAMES[2:]))
-        loop.update(covered, block.select("covered_next", inside, covered, FALSE))
-    block.leave(covered)
-    params = tuple(Param(name, n) for name in ("x", "v")[: 1 if filter_of is None else 2])
-    return Function("covered", params, tuple(block.statements), False, covered_doc(task), returns_bool=True)
+        is_inside = write_is_between_bounds(block, x, i, BOUND_TABLES[:2])
+        if write_lambda is not None:
+            filtered_x = block.op("filtered", "mul", x, write_lambda(block, i))
+            z = block.op("z", "add", block.let("v_i", Load("v", i)), filtered_x)
+            is_z_inside = write_is_between_bounds(block, z, i, BOUND_TABLES[2:])
+            is_inside = block.op("inside", "and", is_inside, is_z_inside)
+        loop.update(is_covered, block.select("covered_next", is_inside, is_covered, FALSE))
+    block.leave(is_covered)
+    params = tuple(Param(name, n) for name in ("x", "v")[: 1 if write_lambda is None else 2])
+    body = tuple(block.statements)
+    return Function("covered", params, body, returns_status=False, doc=covered_doc(task), returns_bool=True)
 
 
-def between_bounds(block: Block, value: Var, i: Operand, names: Sequence[str]) -> Var:
-    """Statements for whether a value, a real or an integer, is strictly between component i of two tables."""
+def write_is_between_bounds(block: Block, value: Var, i: Operand, tables: Sequence[str]) -> Var:
+    """Write statements for whether a value, a real or an integer, is strictly between component i of two tables."""
     less = "ilt" if value.type is INT else "lt"
-    low, high = (block.let(f"{name}_i", Load(name, i, value.type)) for name in names)
-    after = block.op(f"{value.name}_after", less, low, value)
-    before = block.op(f"{value.name}_before", less, value, high)
-    return block.op(f"{value.name}_between", "and", after, before)
+    low, high = (block.let(f"{name}_i", Load(name, i, value.type)) for name in tables)
+    is_above = block.op(f"{value.name}_after", less, low, value)
+    is_below = block.op(f"{value.name}_before", less, value, high)
+    return block.op(f"{value.name}_between", "and", is_above, is_below)
 
 
 def covered_doc(task: Task) -> tuple[str, ...]:
-    """What `covered` says, in lines of a comment."""
-    inertial = task.order == 2
-    state = "x, and at v = 0, at rest" if inertial and task.uses_differences else "x and v" if inertial else "x"
+    """Return the comment of `covered` in lines: which proof covers which starts, and what to do at another start."""
+    has_filter = task.order == 2
+    state = "x, and at v = 0, at rest" if has_filter and task.uses_differences else "x and v" if has_filter else "x"
     continuous = "the paper's Theorem 4.1, in continuous time,"
     proof = continuous if task.control.period is None else f"the proof of the sampling period ({Property.PERIOD.code})"
-    where = f"every component of x is within {decimal(start_share(task))} of the tube's half width about its middle at t = 0"
-    wrong = "rounding and the noise of [plant]" if task.plant.noise or task.plant.noise_v else "rounding"
+    region = f"every component of x is within {decimal(start_share(task))} of the tube's half width about its middle at t = 0"
+    error = "rounding and the noise of [plant]" if task.plant.noise or task.plant.noise_v else "rounding"
     lines = (
         f"Whether {proof} covers a start at the measured {state}:",
-        where + ("," if inertial else "."),
-        *((f"and v + lambda x is in its own tube, {_filtered_words(task)}.",) if inertial else ()),
-        f"What a measurement may be wrong by ({wrong}) is taken off.",
+        region + ("," if has_filter else "."),
+        *((f"and v + lambda x is in its own tube, {_filtered_region_doc(task)}.",) if has_filter else ()),
+        f"What a measurement may be wrong by ({error}) is taken off.",
         "Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube",
         "from where it stands.",
     )
     return lines if task.emit.scalar == "fixed" else (*lines[:-1], lines[-1] + " False for a NaN.")
 
 
-def _filtered_words(task: Task) -> str:
-    """How near the middle of its tube v + lambda x must be."""
+def _filtered_region_doc(task: Task) -> str:
+    """Return the part of the comment that says how near the middle of its tube v + lambda x must be."""
     if task.control.period is None:
         return "where the clamp does not act"
     moving = f"with |v| <= {by_component(task.start_speed)}" if any(task.start_speed) else "at rest"

@@ -1,10 +1,12 @@
-"""P7: a bound on how far the emitted arithmetic moves an edge of a refined tube.
+"""P7: bounds on how far the emitted arithmetic moves an edge of a refined tube, and its rate.
 
-Two causes. *Time*: the emitted u is fl(t * fl(K/t_c)), within K (2 eps + eps^2) of K t / t_c (eps half a unit in the last
-place of 1), held at the last number below K, which is at most 2 K eps below it; so u is within K (2 eps + eps^2) of the true
-one for every t. Twice that is allowed: the other half is room for a t that was itself rounded, as `ticks / 1000` is. The edge
-then moves by its steepest slope times that. *Evaluation*: weights and blend, bounded by the
-`rounding` reader over the very kernels that are printed. s = u - floor(u) is exact. The table is exact.
+There are two causes; eps is half a unit in the last place of 1. *Time.* The emitted u is fl(t * fl(K/t_c)), within K (2 eps +
+eps^2) of K t / t_c, clamped to the largest number below K, which is at most 2 K eps below K. So u is within K (2 eps + eps^2) of
+the exact one for every t. Twice that is allowed: the other half is for a t that was itself rounded, as `ticks / 1000` is. The
+edge then moves by its steepest slope times that error. *Evaluation.* `rounding_error` bounds the rounding of weights and blend
+from the kernels that are printed. s = u - floor(u) is exact, and so is the table of control points.
+
+The certificate, the design and compare/ call this file. The lemma `refined.late` is about `rounded_time_error`.
 """
 
 from __future__ import annotations
@@ -16,27 +18,29 @@ from typing import Any
 import numpy as np
 
 from stt_codegen.controller.integers import integer_errors
-from stt_codegen.controller.kernels import kernels_of_the_tube
+from stt_codegen.controller.kernels import build_blending_kernels
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.program import FORMATS, Kernel, Program
 from stt_codegen.program.analyse import Inexact, rounding_error
 from stt_codegen.task import Task
 
 
-def time_error(design: RefinedDesign, scalar: str) -> Fraction:
-    """Bound on the error of the emitted spline time u, in segments; t itself may be rounded once."""
-    return Fraction(late(design.segments, FORMATS[scalar].roundoff)) + FORMATS[scalar].tiny
+def spline_time_error(design: RefinedDesign, scalar: str) -> Fraction:
+    """Bound the error of the emitted spline time u, in segments; t itself may be rounded once."""
+    return Fraction(rounded_time_error(design.segments, FORMATS[scalar].roundoff)) + FORMATS[scalar].tiny
 
 
-def late(segments: Any, eps: Any) -> Any:
-    """The same without the least subnormal, for numbers or symbols: the lemma `refined.late` is about this very function."""
+def rounded_time_error(segments: Any, eps: Any) -> Any:
+    """Bound the error of spline time without underflow. The lemma `refined.late` calls this with symbols."""
     return segments * (4 * eps + 4 * eps * eps)
 
 
-def errors_of_tube(
+def edge_and_rate_errors(
     design: RefinedDesign, program: Program | None, tick: Fraction | None = None
 ) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
-    """`edge_error` and, for order 2, `rate_error`. tick: seconds, of a controller in integers, whose program is still to come."""
+    """Return `edge_error` and, for order 2, `rate_error`; else () for the latter.
+
+    program: None for a controller in integers before its program is built; then `tick` is the length of a tick in seconds."""
     tick = tick if program is None else program.tick
     if tick is not None:
         return integer_errors.edge_error(design, tick), integer_errors.rate_error(design, tick) if design.filter else ()
@@ -45,7 +49,7 @@ def errors_of_tube(
 
 
 def edge_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
-    """By dimension, a bound on |emitted edge - gamma(t)| for every finite t, in the task's units."""
+    """Bound |emitted edge - gamma(t)| for every finite t, by dimension, in the task's units."""
     if program.tick is not None:
         return integer_errors.edge_error(design, program.tick)
     return _edge_error(design, program.kernel("basis"), program.kernel("blend"), program.scalar)
@@ -53,52 +57,55 @@ def edge_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
 
 def edge_error_of_design(task: Task, design: RefinedDesign) -> tuple[Fraction, ...]:
     """Derive `edge_error` before there is a program, for floats and doubles: the kernels of a tube are the same for all tasks."""
-    basis, _, blend = kernels_of_the_tube()
+    basis, _, blend = build_blending_kernels()
     return _edge_error(design, basis, blend, task.emit.scalar)
 
 
-@lru_cache(maxsize=4)  # asked for when a tube is designed, when a program is made, and again for its certificate
+@lru_cache(maxsize=4)  # the design, the program and the certificate need the same bound
 def _edge_error(design: RefinedDesign, basis: Kernel, blend: Kernel, scalar: str) -> tuple[Fraction, ...]:
-    slope = design.largest_steps().max(axis=0)
-    late = time_error(design, scalar)
-    evaluation = _blend_error(design, basis, blend, scalar)
-    return tuple(_short(e + late * 3 * int(v) * design.unit) for e, v in zip(evaluation, slope, strict=True))
+    """Bound the error of an edge by dimension: that of its evaluation, and its steepest slope times the error of time."""
+    largest_steps = design.largest_steps().max(axis=0)  # between Bezier control points; 3 of them bound a slope by segment
+    time_error = spline_time_error(design, scalar)
+    evaluation_errors = _blend_error(design, basis, blend, scalar)
+    slopes = [3 * int(step) * design.unit for step in largest_steps]
+    return tuple(_rounded_up(e + time_error * slope) for e, slope in zip(evaluation_errors, slopes, strict=True))
 
 
 def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
-    """By dimension, a bound on |emitted rate - gammadot(t)| for every finite t, in units per second."""
+    """Bound |emitted rate - gammadot(t)| for every finite t, by dimension, in units per second."""
     if program.tick is not None:
         return integer_errors.rate_error(design, program.tick)
-    form = FORMATS[program.scalar]
-    bend = np.abs(np.diff(design.bezier(), n=2, axis=3)).max(axis=(0, 2, 3))
-    slope = design.largest_steps().max(axis=0)
-    per_second = design.segments / design.prescribed_time
-    late = time_error(design, program.scalar)
-    result = []
-    blended = _blend_error(design, program.kernel("basis_rate"), program.kernel("blend"), program.scalar)
-    for i, evaluation in enumerate(blended):
-        error = evaluation + late * 6 * int(bend[i]) * design.unit
-        steepest = 3 * int(slope[i]) * design.unit
-        total = error * per_second * (1 + form.roundoff) + (steepest + error) * per_second * 2 * form.roundoff
-        result.append(_short(total + form.tiny))
-    return tuple(result)
+    number_format = FORMATS[program.scalar]
+    largest_bends = np.abs(np.diff(design.bezier(), n=2, axis=3)).max(axis=(0, 2, 3))
+    largest_steps = design.largest_steps().max(axis=0)
+    segments_per_second = design.segments / design.prescribed_time
+    time_error = spline_time_error(design, program.scalar)
+    errors = []
+    evaluation_errors = _blend_error(design, program.kernel("basis_rate"), program.kernel("blend"), program.scalar)
+    for i, evaluation_error in enumerate(evaluation_errors):
+        slope_error = evaluation_error + time_error * 6 * int(largest_bends[i]) * design.unit
+        steepest_slope = 3 * int(largest_steps[i]) * design.unit
+        scaling_error = (steepest_slope + slope_error) * segments_per_second * 2 * number_format.roundoff
+        error = slope_error * segments_per_second * (1 + number_format.roundoff) + scaling_error
+        errors.append(_rounded_up(error + number_format.tiny))
+    return tuple(errors)
 
 
-def _blend_error(design: RefinedDesign, weights: Kernel, blend: Kernel, scalar: str) -> list[Fraction]:
-    """By dimension, the rounding error of weights (a kernel of s in [0, 1]) and blend for its largest coefficient."""
-    values = rounding_error(weights, {"s": Inexact(Fraction(0), Fraction(1))}, scalar)
+def _blend_error(design: RefinedDesign, weights_kernel: Kernel, blend: Kernel, scalar: str) -> list[Fraction]:
+    """Bound the rounding of the weights, a kernel of s in [0, 1], and of the blend of the largest control points, by dimension."""
+    weights = rounding_error(weights_kernel, {"s": Inexact(Fraction(0), Fraction(1))}, scalar)
     names = [v.name for v in blend.inputs]
-    result = []
+    errors = []
     for i in range(design.dimension):
         largest = int(np.abs(design.integers()[:, i]).max()) * design.unit
-        inputs = dict(zip(names[:4], values, strict=True)) | dict.fromkeys(names[4:], Inexact(-largest, largest))
+        inputs = dict(zip(names[:4], weights, strict=True)) | dict.fromkeys(names[4:], Inexact(-largest, largest))
         (edge,) = rounding_error(blend, inputs, scalar)
-        result.append(edge.error)
-    return result
+        errors.append(edge.error)
+    return errors
 
 
-def _short(value: Fraction) -> Fraction:
-    """A slightly larger fraction with a short numerator, so that later arithmetic stays quick."""
+def _rounded_up(value: Fraction) -> Fraction:
+    """Return a slightly larger fraction with a short numerator, about 17 bits, so that later arithmetic stays quick."""
     if value == 0:
         return value
     shift = value.denominator.bit_length() - value.numerator.bit_length() + 16

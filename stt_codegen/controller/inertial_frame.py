@@ -1,28 +1,34 @@
-"""The frame of a controller for a plant of order 2: v + lambda x is held in the filtered tube (designs/filtered.py), by the same
-law, from distances that lose nothing where both edges are near:
+"""The functions of a controller for a plant of order 2, in floating point.
+
+v + lambda x is kept in the filtered tube (designs/filtered.py) by the law of order 1. Its distances to the edges are sums that
+lose no digits where both edges are near; L and R are the edges of the tube, L' and R' their rates:
 
     a = (v - L') + lambda (x - L),    b = (R' - v) + lambda (R - x),    a + b = (R' - L') + lambda (R - L)
+
+refined_frame.py calls `build_inertial_functions`. Functions named `write_..` append statements to a block of a Program and return
+the variables that hold the results. Strings that they pass are names in emitted code.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import NamedTuple
 
 from stt_codegen.controller.comments import axes_doc, inward_doc, law_doc
 from stt_codegen.controller.kernels import (
     MARGINS_DOC,
-    Between,
-    Law,
+    ControlLaw,
     SplineKernels,
-    control_component,
-    entry,
-    inside_of,
-    loaded,
-    margin_component,
-    not_finite,
-    place_of,
-    start,
+    ValueBetweenEdges,
+    begin_block_at_time,
+    write_clamped_distances,
+    write_control_points,
+    write_first_index,
+    write_has_non_finite,
+    write_input,
+    write_is_inside,
+    write_margin,
 )
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
@@ -53,243 +59,277 @@ OK, OUTSIDE, BAD = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE, S
 
 
 @dataclass(frozen=True)
-class Filter:
-    """lambda by component; per_second: segments in a second."""
+class LambdaFilter:
+    """lambda of v + lambda x by component, in 1/s; and the number of the tube's segments per second."""
 
     values: tuple[Fraction, ...]
-    per_second: Fraction
+    segments_per_second: Fraction
 
     @classmethod
-    def of(cls, design: RefinedDesign) -> Filter:
+    def of(cls, design: RefinedDesign) -> LambdaFilter:
         return cls(design.filter, Fraction(design.segments) / design.prescribed_time)
 
     def __str__(self) -> str:
-        """As people are told."""
+        """The values as comments of emitted code print them."""
         return by_component(self.values)
 
     @property
     def tables(self) -> list[Table]:
-        """Where lambda differs by component."""
+        """The table of lambda where it differs by component; else none."""
         doc = ("lambda of v + lambda x, by component.",)
         return [Table("filter", self.values, len(self.values), doc)] if len(set(self.values)) > 1 else []
 
-    def of_component(self, block: Block, i: Operand) -> Operand:
+    def write_component(self, block: Block, i: Operand) -> Operand:
+        """Write statements for lambda of component i."""
         return real(self.values[0]) if len(set(self.values)) == 1 else block.let("filter_i", Load("filter", i))
 
 
 @dataclass(frozen=True)
-class Known:
-    """How far the edges are apart, and the distances to both, once computed."""
+class ComputedDistances:
+    """The distance between two edges, and the distances of a value to both, in variables that have been computed."""
 
-    width: Var
+    raw_width: Var
     to_edges: tuple[Var, Var]
 
     @classmethod
-    def of(cls, block: Block, between: Between) -> Known:
-        return cls(between.room(block), between.distances(block))
+    def of(cls, block: Block, value: ValueBetweenEdges) -> ComputedDistances:
+        """Write the statements that compute them."""
+        return cls(value.write_raw_width(block), value.write_distances(block))
 
-    def room(self, _block: Block) -> Var:
-        return self.width
+    def write_raw_width(self, _block: Block) -> Var:
+        return self.raw_width
 
-    def distances(self, _block: Block) -> tuple[Var, Var]:
+    def write_distances(self, _block: Block) -> tuple[Var, Var]:
         return self.to_edges
 
 
 @dataclass(frozen=True)
-class Filtered:
-    """v + lambda x between the edges of the filtered tube: x between its edges, v between their rates."""
+class FilteredDistances:
+    """The distances of v + lambda x to the filtered tube's edges, from those of x to the edges and of v to their rates."""
 
-    places: Known
-    rates: Known
-    filter: Operand
+    of_x: ComputedDistances
+    of_v: ComputedDistances
+    lambda_: Operand
 
-    def room(self, block: Block) -> Var:
-        return self._sum(block, "room", self.rates.room(block), self.places.room(block))
+    def write_raw_width(self, block: Block) -> Var:
+        return self._write_sum(block, "room", self.of_v.raw_width, self.of_x.raw_width)
 
-    def distances(self, block: Block) -> tuple[Var, Var]:
-        (v_lower, v_upper), (x_lower, x_upper) = self.rates.distances(block), self.places.distances(block)
-        return self._sum(block, "to_lower", v_lower, x_lower), self._sum(block, "to_upper", v_upper, x_upper)
+    def write_distances(self, block: Block) -> tuple[Var, Var]:
+        (v_to_lower, v_to_upper), (x_to_lower, x_to_upper) = self.of_v.to_edges, self.of_x.to_edges
+        to_lower = self._write_sum(block, "to_lower", v_to_lower, x_to_lower)
+        return to_lower, self._write_sum(block, "to_upper", v_to_upper, x_to_upper)
 
-    def _sum(self, block: Block, name: str, rate: Var, place: Var) -> Var:
-        return block.op(name, "add", rate, block.op("filtered", "mul", place, self.filter))
+    def _write_sum(self, block: Block, name: str, v_distance: Var, x_distance: Var) -> Var:
+        """Write statements for v_distance + lambda x_distance."""
+        return block.op(name, "add", v_distance, block.op("filtered", "mul", x_distance, self.lambda_))
+
+
+class SplinePosition(NamedTuple):
+    """Where a time is on the spline: table index of the segment's first row, and the weights of edges and of their slopes."""
+
+    row: Var
+    weights: tuple[Var, ...]
+    slope_weights: tuple[Var, ...]
+
+
+class EdgesAndRates(NamedTuple):
+    """Lower and upper edge of one component, and their rates in units per second."""
+
+    lower: Var
+    upper: Var
+    lower_rate: Var
+    upper_rate: Var
 
 
 @dataclass(frozen=True)
-class Frame:
-    """What the functions have in common."""
+class InertialParts:
+    """What the functions of a controller of order 2 are built from: kernels, lambda, and the number n of dimensions."""
 
     spline: SplineKernels
-    filter: Filter
+    filter: LambdaFilter
     n: int
 
-    def edges(self, block: Block, row: Operand, i: Operand, weights: tuple[Var, ...], rates: tuple[Var, ...]) -> list[Var]:
-        """Statements for L, R, L', R' of component i."""
-        at = entry(block, row, i)
-        places: list[Var] = []
-        slopes: list[Var] = []
+    def write_position(self, block: Block, time: Var) -> SplinePosition:
+        """Write statements for the position of a time on the spline: seconds, or a tick where the segment kernel takes it."""
+        row, s = block.call(self.spline.segment, time)
+        return SplinePosition(row, block.call(self.spline.basis, s), block.call(self.spline.basis_rate, s))
+
+    def write_edges(self, block: Block, position: SplinePosition, i: Operand) -> EdgesAndRates:
+        """Write statements for L, R, L', R' of component i."""
+        first_index = write_first_index(block, position.row, i)
+        edges: list[Var] = []
+        rates: list[Var] = []
         for side, name in ((LOWER, "lower"), (UPPER, "upper")):
-            entries = loaded(block, self.n, at, side, name)
-            places += block.call(self.spline.blend, *weights, *entries, names=(f"{name}_edge",))
-            (slope,) = block.call(self.spline.blend, *rates, *entries, names=(f"{name}_slope",))
-            slopes.append(block.op(f"{name}_rate", "mul", slope, real(self.filter.per_second)))
-        return [*places, *slopes]
+            control_points = write_control_points(block, self.n, first_index, side=side, label=name)
+            edges += block.call(self.spline.blend, *position.weights, *control_points, names=(f"{name}_edge",))
+            (slope,) = block.call(self.spline.blend, *position.slope_weights, *control_points, names=(f"{name}_slope",))
+            rates.append(block.op(f"{name}_rate", "mul", slope, real(self.filter.segments_per_second)))
+        return EdgesAndRates(*edges, *rates)
 
-    def apart(self, block: Block, row: Operand, i: Operand, weights: tuple[Var, ...], slopes: tuple[Var, ...]) -> Filtered:
-        """Statements for where component i is."""
-        low, high, low_rate, high_rate = self.edges(block, row, i, weights, slopes)
+    def write_filtered_distances(self, block: Block, position: SplinePosition, i: Operand) -> FilteredDistances:
+        """Write statements for the distances of component i of v + lambda x, and of x, to their edges."""
+        edges = self.write_edges(block, position, i)
         x, v = (block.let(f"{name}_i", Load(name, i)) for name in ("x", "v"))
-        places, rates = Known.of(block, Between(low, high, x)), Known.of(block, Between(low_rate, high_rate, v))
-        return Filtered(places, rates, self.filter.of_component(block, i))
-
-    def begun(self, block: Block, when: Var) -> tuple[Var, tuple[Var, ...], tuple[Var, ...]]:
-        """Statements for the table's row, and the weights of edges and of their rates."""
-        row, s = block.call(self.spline.segment, when)
-        return row, block.call(self.spline.basis, s), block.call(self.spline.basis_rate, s)
+        of_x = ComputedDistances.of(block, ValueBetweenEdges(edges.lower, edges.upper, x))
+        of_v = ComputedDistances.of(block, ValueBetweenEdges(edges.lower_rate, edges.upper_rate, v))
+        return FilteredDistances(of_x, of_v, self.filter.write_component(block, i))
 
 
-def inertial_functions(
-    task: Task, spline: SplineKernels, design: RefinedDesign, law: Law, guarded: bool, clock: tuple[Kernel, ...]
+def build_inertial_functions(
+    task: Task,
+    design: RefinedDesign,
+    spline: SplineKernels,
+    law: ControlLaw,
+    *,
+    tick_segments: tuple[Kernel, ...],
+    is_width_guarded: bool,
 ) -> tuple[Function, ...]:
-    """`filtered_tube`, `control`, `control_tick` where there is a clock, `margin` and `margins`."""
-    frame = Frame(spline, Filter.of(design), design.dimension)
-    frames = [replace(frame, spline=replace(spline, segment=kernel)) for kernel in (spline.segment, *clock)]
-    velocity = (_velocity(task, frame.n),) if task.uses_differences else ()
-    controls = (_control(task, f, law, guarded) for f in frames)
-    return (_filtered_tube(frame), *velocity, *controls, _margin(frame, guarded), _margins(frame, guarded))
+    """Build `filtered_tube`, `velocity` where the task uses differences, `control`, `margin` and `margins`.
+
+    tick_segments: the segment kernel of ticks, for `control_tick`; empty without ticks. is_width_guarded=False: the caller has
+    proved that the edges are more than MINIMUM_WIDTH apart."""
+    parts = InertialParts(spline, LambdaFilter.of(design), design.dimension)
+    velocity = (_build_velocity(task, parts.n),) if task.uses_differences else ()
+    controls = (
+        _build_control(task, replace(parts, spline=replace(spline, segment=segment)), law, is_width_guarded)
+        for segment in (spline.segment, *tick_segments)
+    )
+    margins = (_build_margin(parts, is_width_guarded), _build_margins(parts, is_width_guarded))
+    return (_build_filtered_tube(parts), *velocity, *controls, *margins)
 
 
-def _velocity(task: Task, n: int) -> Function:
+def _build_velocity(task: Task, n: int) -> Function:
+    """Build `velocity`: v (n,) by differences of two samples of x."""
     dt = Var("dt", REAL)
     block = Block({"dt", "x", "x_before", "v"})
-    positive = block.op("positive", "lt", real(0), dt)
-    step = block.select("step", positive, dt, real(1))
+    is_positive = block.op("positive", "lt", real(0), dt)
+    divisor = block.select("step", is_positive, dt, real(1))
     with block.loop("i", n) as loop:
-        now, before = (block.let(f"{name}_i", Load(name, loop.index)) for name in ("x", "x_before"))
-        mean = block.op("mean", "div", block.op("moved", "sub", now, before), step)
-        block.store("v", loop.index, block.select("v_i", positive, mean, NAN))
+        x, x_before = (block.let(f"{name}_i", Load(name, loop.index)) for name in ("x", "x_before"))
+        mean_velocity = block.op("mean", "div", block.op("moved", "sub", x, x_before), divisor)
+        block.store("v", loop.index, block.select("v_i", is_positive, mean_velocity, NAN))
     block.leave()
-    return Function(
-        "velocity",
-        (Param("dt", None), Param("x", n), Param("x_before", n), Param("v", n, True)),
-        tuple(block.statements),
-        False,
-        (
-            "Velocity by differences, v = (x - x_before) / dt, for `control`: dt is the time between both samples, as it was and",
-            f"not as it should have been, from {decimal(task.shortest_period)} to {decimal(task.sampling_period)} s.",
-            "At the first sample, at rest, v is 0. x_before is yours: put x there afterwards. NaN where dt is not positive, and",
-            "`control` then says BAD_INPUT.",
-        ),
+    doc = (
+        "Velocity by differences, v = (x - x_before) / dt, for `control`: dt is the time between both samples, as it was and",
+        f"not as it should have been, from {decimal(task.shortest_period)} to {decimal(task.sampling_period)} s.",
+        "At the first sample, at rest, v is 0. x_before is yours: put x there afterwards. NaN where dt is not positive, and",
+        "`control` then says BAD_INPUT.",
     )
+    params = (Param("dt", None), Param("x", n), Param("x_before", n), Param("v", n, output=True))
+    return Function("velocity", params, tuple(block.statements), returns_status=False, doc=doc)
 
 
-def _filtered_tube(frame: Frame) -> Function:
-    block, row, s = start({"t", "lower", "upper"}, frame.spline, ("lower", "upper"), frame.n)
-    weights, rates = block.call(frame.spline.basis, s), block.call(frame.spline.basis_rate, s)
-    with block.loop("i", frame.n) as loop:
-        low, high, low_rate, high_rate = frame.edges(block, row, loop.index, weights, rates)
-        value = frame.filter.of_component(block, loop.index)
-        for name, place, rate in (("lower", low, low_rate), ("upper", high, high_rate)):
-            block.store(name, loop.index, block.op("edge", "add", rate, block.op("filtered", "mul", place, value)))
+def _build_filtered_tube(parts: InertialParts) -> Function:
+    """Build `filtered_tube`: the edges L' + lambda L and R' + lambda R (n,) at time t."""
+    n = parts.n
+    block, row, s = begin_block_at_time({"t", "lower", "upper"}, parts.spline, ("lower", "upper"), n)
+    position = SplinePosition(row, block.call(parts.spline.basis, s), block.call(parts.spline.basis_rate, s))
+    with block.loop("i", n) as loop:
+        edges = parts.write_edges(block, position, loop.index)
+        lambda_ = parts.filter.write_component(block, loop.index)
+        for name, edge, rate in (("lower", edges.lower, edges.lower_rate), ("upper", edges.upper, edges.upper_rate)):
+            filtered_edge = block.op("edge", "add", rate, block.op("filtered", "mul", edge, lambda_))
+            block.store(name, loop.index, filtered_edge)
     block.leave()
-    return Function(
-        "filtered_tube",
-        (Param("t", None), Param("lower", frame.n, True), Param("upper", frame.n, True)),
-        tuple(block.statements),
-        False,
-        (
-            f"Edges of the filtered tube at time t, in units per second: of v + lambda x, lambda = {frame.filter}.",
-            "While v + lambda x is between them, x stays in the tube. NaN when t is not finite.",
-        ),
+    doc = (
+        f"Edges of the filtered tube at time t, in units per second: of v + lambda x, lambda = {parts.filter}.",
+        "While v + lambda x is between them, x stays in the tube. NaN when t is not finite.",
     )
+    params = (Param("t", None), Param("lower", n, output=True), Param("upper", n, output=True))
+    return Function("filtered_tube", params, tuple(block.statements), returns_status=False, doc=doc)
 
 
-def _control(task: Task, frame: Frame, law: Law, guarded: bool) -> Function:
-    """The law at a time that is whatever `segment` takes: seconds or a tick."""
-    (when,) = frame.spline.segment.inputs
-    block = Block({when.name, "x", "v", "u"})
-    bad = not_finite(block, (when,) if when.type is REAL else (), (("x", frame.n), ("v", frame.n)))
-    with block.leave_when(bad, BAD), block.loop("j", frame.n) as loop:
+def _build_control(task: Task, parts: InertialParts, law: ControlLaw, is_width_guarded: bool) -> Function:
+    """Build `control`, or `control_tick` where the segment kernel of `parts` takes a tick: u (n,) by (13) and the status."""
+    n = parts.n
+    (time,) = parts.spline.segment.inputs
+    is_tick = time.type is TICK
+    block = Block({time.name, "x", "v", "u"})
+    is_bad = write_has_non_finite(block, () if is_tick else (time,), (("x", n), ("v", n)))
+    with block.leave_when(is_bad, BAD), block.loop("j", n) as loop:
         block.store("u", loop.index, real(0))
-    row, weights, rates = frame.begun(block, when)
-    with block.loop("i", frame.n) as loop:
+    position = parts.write_position(block, time)
+    with block.loop("i", n) as loop:
         i = loop.index
-        outside = loop.carry("outside", FALSE)
-        apart = frame.apart(block, row, i, weights, rates)
-        place = place_of(block, law.share(block, i), apart, law.signed_gain(block, i), guarded)
-        x_lower, x_upper = apart.places.distances(block)
-        between = block.op("between", "and", block.op("over", "lt", real(0), x_lower), block.op("under", "lt", real(0), x_upper))
-        inside = block.op("inside", "and", inside_of(block, place), between)
-        loop.update(outside, block.select("outside_any", inside, outside, TRUE))
-        block.store("u", i, control_component(block, law, place, law.limit(block, i)))
-    block.leave(Select(outside, OUTSIDE, OK))
-    times = "x or v" if when.type is TICK else "t, x or v"
-    return Function(
-        "control_tick" if when.type is TICK else "control",
-        (Param(when.name, None, type=when.type), Param("x", frame.n), Param("v", frame.n), Param("u", frame.n, True)),
-        tuple(block.statements),
-        True,
-        (
-            law_doc(task, law),
-            f"for v + lambda x in its tube, lambda = {frame.filter}. "
-            + (_ticks(task) if when.type is TICK else "t: seconds since the start (held within [0, t_c]);"),
-            "x: state; v: its rate; u: input.",
-            *axes_doc(task),
-            "OK: x strictly inside the tube, and v + lambda x inside its own. OUTSIDE_TUBE: not so; u is the clamped law,",
-            f"finite, and points inward{inward_doc(task)} (0 where the tube is empty). BAD_INPUT: {times} has a NaN or an",
-            "infinity; u is 0. u may be the array x or v itself.",
-        ),
+        is_outside = loop.carry("outside", FALSE)
+        filtered = parts.write_filtered_distances(block, position, i)
+        distances = write_clamped_distances(
+            block, law.write_clamp_share(block, i), filtered, law.write_signed_gain(block, i), is_width_guarded
+        )
+        x_to_lower, x_to_upper = filtered.of_x.to_edges
+        is_above_lower = block.op("over", "lt", real(0), x_to_lower)
+        is_x_inside = block.op("between", "and", is_above_lower, block.op("under", "lt", real(0), x_to_upper))
+        is_inside = block.op("inside", "and", write_is_inside(block, distances), is_x_inside)
+        loop.update(is_outside, block.select("outside_any", is_inside, is_outside, TRUE))
+        block.store("u", i, write_input(block, law, distances, law.write_u_max(block, i)))
+    block.leave(Select(is_outside, OUTSIDE, OK))
+    tested_inputs = "x or v" if is_tick else "t, x or v"
+    doc = (
+        law_doc(task, law),
+        f"for v + lambda x in its tube, lambda = {parts.filter}. "
+        + (_tick_doc(task) if is_tick else "t: seconds since the start (held within [0, t_c]);"),
+        "x: state; v: its rate; u: input.",
+        *axes_doc(task),
+        "OK: x strictly inside the tube, and v + lambda x inside its own. OUTSIDE_TUBE: not so; u is the clamped law,",
+        f"finite, and points inward{inward_doc(task)} (0 where the tube is empty). BAD_INPUT: {tested_inputs} has a NaN or an",
+        "infinity; u is 0. u may be the array x or v itself.",
     )
+    params = (Param(time.name, None, type=time.type), Param("x", n), Param("v", n), Param("u", n, output=True))
+    return Function("control_tick" if is_tick else "control", params, tuple(block.statements), returns_status=True, doc=doc)
 
 
-def _ticks(task: Task) -> str:
+def _tick_doc(task: Task) -> str:
+    """Return the part of the comment of `control_tick` that explains the tick."""
     assert task.emit.tick_period is not None
     return f"tick: periods of {decimal(task.emit.tick_period)} s since the start (it must not wrap to 0: stop counting at t_c);"
 
 
-def _margin(frame: Frame, guarded: bool) -> Function:
+def _build_margin(parts: InertialParts, is_width_guarded: bool) -> Function:
+    """Build `margin`: the smallest margin over the components of x and of v + lambda x."""
+    n = parts.n
     t = Var("t", REAL)
     block = Block({"t", "x", "v"})
-    bad = not_finite(block, (t,), (("x", frame.n), ("v", frame.n)))
-    with block.leave_when(bad, NAN):
+    is_bad = write_has_non_finite(block, (t,), (("x", n), ("v", n)))
+    with block.leave_when(is_bad, NAN):
         pass
-    row, weights, rates = frame.begun(block, t)
-    with block.loop("i", frame.n) as loop:
-        least = loop.carry("margin", real(Fraction(1, 2)))
-        apart = frame.apart(block, row, loop.index, weights, rates)
-        lesser = _margin_component(block, apart, guarded)
-        loop.update(least, block.select("margin_next", block.op("less", "lt", lesser, least), lesser, least))
-    block.leave(least)
-    return Function(
-        "margin",
-        (Param("t", None), Param("x", frame.n), Param("v", frame.n)),
-        tuple(block.statements),
-        False,
-        (
-            "How far x is from leaving the tube, and v + lambda x from leaving its own: the distance to the nearest edge",
-            "over the width there, the lesser of both, least over the components. 0.5 in the middle, positive inside,",
-            "negative outside, at least -1; NaN when an argument is not finite.",
-            "Watch it: act while there is margin, not when the tube is left.",
-        ),
-        returns_real=True,
+    position = parts.write_position(block, t)
+    with block.loop("i", n) as loop:
+        smallest = loop.carry("margin", real(Fraction(1, 2)))
+        distances = parts.write_filtered_distances(block, position, loop.index)
+        margin = _write_smaller_margin(block, distances, is_width_guarded)
+        is_smaller = block.op("less", "lt", margin, smallest)
+        loop.update(smallest, block.select("margin_next", is_smaller, margin, smallest))
+    block.leave(smallest)
+    doc = (
+        "How far x is from leaving the tube, and v + lambda x from leaving its own: the distance to the nearest edge",
+        "over the width there, the lesser of both, least over the components. 0.5 in the middle, positive inside,",
+        "negative outside, at least -1; NaN when an argument is not finite.",
+        "Watch it: act while there is margin, not when the tube is left.",
     )
+    params = (Param("t", None), Param("x", n), Param("v", n))
+    return Function("margin", params, tuple(block.statements), returns_status=False, doc=doc, returns_real=True)
 
 
-def _margin_component(block: Block, apart: Filtered, guarded: bool) -> Var:
-    """Statements for the lesser margin of v + lambda x in its tube and of x in its own."""
-    filtered, position = (margin_component(block, inside, guarded) for inside in (apart, apart.places))
-    return block.select("lesser", block.op("filtered_less", "lt", filtered, position), filtered, position)
+def _write_smaller_margin(block: Block, distances: FilteredDistances, is_width_guarded: bool) -> Var:
+    """Write statements for the smaller one of two margins: that of v + lambda x in the filtered tube, that of x in the tube."""
+    filtered_margin = write_margin(block, distances, is_width_guarded)
+    x_margin = write_margin(block, distances.of_x, is_width_guarded)
+    is_filtered_smaller = block.op("filtered_less", "lt", filtered_margin, x_margin)
+    return block.select("lesser", is_filtered_smaller, filtered_margin, x_margin)
 
 
-def _margins(frame: Frame, guarded: bool) -> Function:
-    """The public `margins`: by component the lesser margin of v + lambda x and of x."""
+def _build_margins(parts: InertialParts, is_width_guarded: bool) -> Function:
+    """Build `margins`: by component (n,) the smaller margin of v + lambda x and of x."""
+    n = parts.n
+    t = Var("t", REAL)
     block = Block({"t", "x", "v", "margin"})
-    bad = block.op("bad", "not", block.let("finite", IsFinite(Var("t", REAL))))
-    with block.leave_when(bad), block.loop("j", frame.n) as loop:
+    is_bad = block.op("bad", "not", block.let("finite", IsFinite(t)))
+    with block.leave_when(is_bad), block.loop("j", n) as loop:
         block.store("margin", loop.index, NAN)
-    row, weights, rates = frame.begun(block, Var("t", REAL))
-    with block.loop("i", frame.n) as loop:
-        apart = frame.apart(block, row, loop.index, weights, rates)
-        block.store("margin", loop.index, _margin_component(block, apart, guarded))
+    position = parts.write_position(block, t)
+    with block.loop("i", n) as loop:
+        distances = parts.write_filtered_distances(block, position, loop.index)
+        block.store("margin", loop.index, _write_smaller_margin(block, distances, is_width_guarded))
     block.leave()
-    params = (Param("t", None), Param("x", frame.n), Param("v", frame.n), Param("margin", frame.n, True))
-    return Function("margins", params, tuple(block.statements), False, MARGINS_DOC)
+    params = (Param("t", None), Param("x", n), Param("v", n), Param("margin", n, output=True))
+    return Function("margins", params, tuple(block.statements), returns_status=False, doc=MARGINS_DOC)

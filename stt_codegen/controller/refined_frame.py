@@ -1,4 +1,9 @@
-"""The frame of a refined controller: finite test, spline time and segment, loop over dimensions, status."""
+"""The program of a refined controller in floating point; inertial_frame.py has the functions that differ for plants of order 2.
+
+pipeline.py calls `refined_program`. Each `_build_..` returns one public function of the emitted code: finite test, segment of the
+spline, loop over the components, status. Strings that it passes to a block are names in emitted code. The lemmas `functions.*` of
+docs/lemmas.md are about these functions.
+"""
 
 from __future__ import annotations
 
@@ -6,30 +11,30 @@ from dataclasses import replace
 from fractions import Fraction
 
 from stt_codegen.controller.comments import axes_doc, inward_doc, law_doc
-from stt_codegen.controller.covered_starts import covered_function, starts_of
+from stt_codegen.controller.covered_starts import build_covered, compute_covered_starts
 from stt_codegen.controller.edge_errors import edge_error, rate_error
-from stt_codegen.controller.inertial_frame import Filter, inertial_functions
+from stt_codegen.controller.inertial_frame import LambdaFilter, build_inertial_functions
 from stt_codegen.controller.kernels import (
     MARGIN_DOC,
     MARGINS_DOC,
-    Between,
-    Law,
+    ControlLaw,
     SplineKernels,
-    control_component,
-    control_law_of,
-    edge,
-    entry,
-    inside_of,
-    kernels_of_the_tube,
-    margin_component,
-    not_finite,
-    place_of,
-    scale_input,
-    segment_of,
-    start,
-    transform_function,
+    ValueBetweenEdges,
+    begin_block_at_time,
+    build_blending_kernels,
+    build_control_law,
+    build_segment_kernel,
+    build_transform,
+    write_clamped_distances,
+    write_edge,
+    write_first_index,
+    write_has_non_finite,
+    write_input,
+    write_input_scaling,
+    write_is_inside,
+    write_margin,
 )
-from stt_codegen.controller.ticks import segment_at_tick, ticks_of
+from stt_codegen.controller.ticks import build_tick_segment_kernel, tick_constants
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER, RefinedDesign, filtered_edges
 from stt_codegen.errors import BadInput
@@ -60,60 +65,80 @@ OK, OUTSIDE, BAD = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE, S
 
 
 def refined_program(task: Task, design: RefinedDesign) -> Program:
-    """Everything that is emitted for a refined design. Raises `BadInput` when the law's constants do not fit the scalar."""
+    """Build all that is emitted for a refined design. Raises `BadInput` when the law's constants do not fit the scalar.
+
+    Where the emitted edges are proved to be more than MINIMUM_WIDTH apart at all times, the functions that calculate with the
+    width go without the guard against a smaller one."""
     n = design.dimension
-    spline = SplineKernels(segment_of(design, task.emit.scalar), *kernels_of_the_tube())
-    law = control_law_of(task)
-    tables = [_coefficients(design, task.emit.scalar), *(Filter.of(design).tables if design.filter else []), *law.tables]
+    spline = SplineKernels(build_segment_kernel(design, task.emit.scalar), *build_blending_kernels())
+    law = build_control_law(task)
+    lambda_filter = LambdaFilter.of(design) if design.filter else None
+    filter_tables = lambda_filter.tables if lambda_filter is not None else []
+    tables = [_build_coefficient_table(design, task.emit.scalar), *filter_tables, *law.tables]
     covered: tuple[Function, ...] = ()
     if design.capabilities.emits_covered_starts:
-        tables += starts_of(task, design).tables(task.emit.scalar, design.unit)
-        covered = (covered_function(task, n, Filter.of(design).of_component if design.filter else None),)
-    period = task.emit.tick_period
-    clock = (segment_at_tick(design, ticks_of(design, period)),) if period is not None else ()
+        tables += compute_covered_starts(task, design).tables(task.emit.scalar, design.unit)
+        covered = (build_covered(task, n, lambda_filter.write_component if lambda_filter is not None else None),)
+    tick_period = task.emit.tick_period
+    tick_segments: tuple[Kernel, ...] = ()
+    if tick_period is not None:
+        tick_segments = (build_tick_segment_kernel(design, tick_constants(design, tick_period)),)
 
-    def functions(guarded: bool) -> tuple[Function, ...]:
-        """Those of the law."""
+    def build_law_functions(is_width_guarded: bool) -> tuple[Function, ...]:
+        """Build the functions that calculate with the width of the tube."""
         if design.filter:
-            return inertial_functions(task, spline, design, law, guarded, clock)
-        return (*_controls(task, spline, law, n, guarded, clock), _margin(spline, n, guarded), _margins(spline, n, guarded))
+            return build_inertial_functions(
+                task, design, spline, law, tick_segments=tick_segments, is_width_guarded=is_width_guarded
+            )
+        controls = (
+            _build_control(task, replace(spline, segment=segment), law, n, is_width_guarded)
+            for segment in (spline.segment, *tick_segments)
+        )
+        return (*controls, _build_margin(spline, n, is_width_guarded), _build_margins(spline, n, is_width_guarded))
 
-    made = Program(
+    program = Program(
         prefix=task.name,
         dimension=n,
         scalar=task.emit.scalar,
         tables=tuple(tables),
-        kernels=(spline.segment, *clock, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
-        functions=(_tube(spline, n), _tube_rate(spline, design, n), *functions(True), *covered, transform_function(law, n)),
+        kernels=(spline.segment, *tick_segments, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
+        functions=(
+            _build_tube(spline, n),
+            _build_tube_rate(spline, design, n),
+            *build_law_functions(True),
+            *covered,
+            build_transform(law, n),
+        ),
     )
-    if not _always_wide(design, made):
-        return made
-    unguarded = {f.name: f for f in functions(False)}
-    return replace(made, functions=tuple(unguarded.get(f.name, f) for f in made.functions))
+    if not _is_always_wide(design, program):
+        return program
+    unguarded = {f.name: f for f in build_law_functions(False)}
+    return replace(program, functions=tuple(unguarded.get(f.name, f) for f in program.functions))
 
 
-def _always_wide(design: RefinedDesign, program: Program) -> bool:
-    """Whether the emitted edges are more than MINIMUM_WIDTH apart for every t: the width is a mean, with weights of sum 6, of
-    the control points' widths, and the arithmetic moves each edge by no more than P7's bound."""
+def _is_always_wide(design: RefinedDesign, program: Program) -> bool:
+    """Return whether the emitted edges are more than MINIMUM_WIDTH apart for every t; for order 2 the filtered ones, too.
+
+    The width is a mean, with weights of sum 6, of the control points' widths; the arithmetic moves each edge by at most P7's
+    bound."""
     table = design.integers()
-    narrowest = 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).min()) * design.unit
-    if narrowest - 2 * max(edge_error(design, program)) <= 2 * MINIMUM_WIDTH:
+    smallest_width = 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).min()) * design.unit
+    edge_errors = edge_error(design, program)
+    if smallest_width - 2 * max(edge_errors) <= 2 * MINIMUM_WIDTH:
         return False
     if not design.filter:
         return True
-    pieces, wrong = (
-        filtered_edges(design),
-        zip(edge_error(design, program), rate_error(design, program), design.filter, strict=True),
-    )
-    room = int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min()) * pieces.unit
-    return room - 2 * max(r + v * e for e, r, v in wrong) > 2 * MINIMUM_WIDTH
+    pieces = filtered_edges(design)
+    smallest_width = int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min()) * pieces.unit
+    errors = zip(edge_errors, rate_error(design, program), design.filter, strict=True)
+    return smallest_width - 2 * max(rate + lambda_ * edge for edge, rate, lambda_ in errors) > 2 * MINIMUM_WIDTH
 
 
-def _coefficients(design: RefinedDesign, scalar: str) -> Table:
-    """The table. Raises `BadInput` where the scalar does not hold its numbers."""
+def _build_coefficient_table(design: RefinedDesign, scalar: str) -> Table:
+    """Build the table of control points. Raises `BadInput` where the scalar does not hold its numbers exactly."""
     if design.coefficient_bits > FORMATS[scalar].precision:
         raise BadInput(f'the tube needs {design.coefficient_bits} bits, too many for a {scalar}; use emit.scalar = "double"')
-    both = "float and " if design.coefficient_bits <= FORMATS["float"].precision else ""
+    exact_formats = "float and " if design.coefficient_bits <= FORMATS["float"].precision else ""
     values = tuple(v * design.unit for row in design.table for pair in row for v in pair)
     names = ", ".join(f"lower[{i}], upper[{i}]" for i in range(design.dimension))
     return Table(
@@ -123,138 +148,133 @@ def _coefficients(design: RefinedDesign, scalar: str) -> Table:
         (
             f"B-spline control points divided by 6, one row for each of {design.segments} + 3 points:",
             names if len(names) < 90 else "lower[0], upper[0], lower[1], upper[1], ...",
-            f"Multiples of 2^{-design.bits}: exact in {both}double.",
+            f"Multiples of 2^{-design.bits}: exact in {exact_formats}double.",
         ),
     )
 
 
-def _tube(spline: SplineKernels, n: int) -> Function:
-    block, row, s = start({"t", "lower", "upper"}, spline, ("lower", "upper"), n)
+def _build_tube(spline: SplineKernels, n: int) -> Function:
+    """Build `tube`: the edges gamma (n,) at time t."""
+    block, row, s = begin_block_at_time({"t", "lower", "upper"}, spline, ("lower", "upper"), n)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
-        at = entry(block, row, loop.index)
+        first_index = write_first_index(block, row, loop.index)
         for name, side in (("lower", LOWER), ("upper", UPPER)):
-            block.store(name, loop.index, edge(block, spline, n, at, weights, side, f"{name}_edge"))
+            edge = write_edge(block, spline, first_index, weights, n=n, side=side, name=f"{name}_edge")
+            block.store(name, loop.index, edge)
     block.leave()
-    return Function(
-        "tube",
-        (Param("t", None), Param("lower", n, True), Param("upper", n, True)),
-        tuple(block.statements),
-        False,
-        (
-            "Edges of the tube gamma at time t (seconds), in the task's units.",
-            "t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.",
-        ),
+    doc = (
+        "Edges of the tube gamma at time t (seconds), in the task's units.",
+        "t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.",
     )
+    params = (Param("t", None), Param("lower", n, output=True), Param("upper", n, output=True))
+    return Function("tube", params, tuple(block.statements), returns_status=False, doc=doc)
 
 
-def _tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function:
-    block, row, s = start({"t", "lower_rate", "upper_rate"}, spline, ("lower_rate", "upper_rate"), n)
+def _build_tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function:
+    """Build `tube_rate`: the rates of the edges (n,) at time t."""
+    block, row, s = begin_block_at_time({"t", "lower_rate", "upper_rate"}, spline, ("lower_rate", "upper_rate"), n)
     weights = block.call(spline.basis_rate, s)
-    over = block.op("moving", "lt", Var("t", REAL), real(design.prescribed_time))
-    per_second = block.select("per_second", over, real(Fraction(design.segments) / design.prescribed_time), real(0))
+    is_moving = block.op("moving", "lt", Var("t", REAL), real(design.prescribed_time))
+    segments_per_second = real(Fraction(design.segments) / design.prescribed_time)
+    segment_rate = block.select("per_second", is_moving, segments_per_second, real(0))
     with block.loop("i", n) as loop:
-        at = entry(block, row, loop.index)
+        first_index = write_first_index(block, row, loop.index)
         for name, side in (("lower", LOWER), ("upper", UPPER)):
-            slope = edge(block, spline, n, at, weights, side, f"{name}_slope")
-            block.store(f"{name}_rate", loop.index, block.op(f"{name}_speed", "mul", slope, per_second))
+            slope = write_edge(block, spline, first_index, weights, n=n, side=side, name=f"{name}_slope")
+            block.store(f"{name}_rate", loop.index, block.op(f"{name}_speed", "mul", slope, segment_rate))
     block.leave()
-    return Function(
-        "tube_rate",
-        (Param("t", None), Param("lower_rate", n, True), Param("upper_rate", n, True)),
-        tuple(block.statements),
-        False,
-        (
-            "Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.",
-            "The rate at 0 before that and zero from t_c on; NaN when t is not finite.",
-        ),
+    doc = (
+        "Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.",
+        "The rate at 0 before that and zero from t_c on; NaN when t is not finite.",
     )
+    params = (Param("t", None), Param("lower_rate", n, output=True), Param("upper_rate", n, output=True))
+    return Function("tube_rate", params, tuple(block.statements), returns_status=False, doc=doc)
 
 
-def _margin(spline: SplineKernels, n: int, guarded: bool) -> Function:
+def _write_x_between_edges(
+    block: Block, spline: SplineKernels, position: tuple[Var, tuple[Var, ...]], i: Var, n: int
+) -> ValueBetweenEdges:
+    """Write statements for component i of x and its edges. position: table index of the segment's row, and the weights."""
+    row, weights = position
+    first_index = write_first_index(block, row, i)
+    lower_edge = write_edge(block, spline, first_index, weights, n=n, side=LOWER, name="lower_edge")
+    upper_edge = write_edge(block, spline, first_index, weights, n=n, side=UPPER, name="upper_edge")
+    return ValueBetweenEdges(lower_edge, upper_edge, block.let("x_i", Load("x", i)))
+
+
+def _build_margin(spline: SplineKernels, n: int, is_width_guarded: bool) -> Function:
+    """Build `margin`: the smallest margin over the components of x."""
     t = Var("t", REAL)
     block = Block({"t", "x"})
-    bad = not_finite(block, (t,), (("x", n),))
-    with block.leave_when(bad, NAN):
+    is_bad = write_has_non_finite(block, (t,), (("x", n),))
+    with block.leave_when(is_bad, NAN):
         pass
     row, s = block.call(spline.segment, t)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
-        least = loop.carry("margin", real(Fraction(1, 2)))
-        at = entry(block, row, loop.index)
-        lower_edge = edge(block, spline, n, at, weights, LOWER, "lower_edge")
-        upper_edge = edge(block, spline, n, at, weights, UPPER, "upper_edge")
-        share = margin_component(block, Between(lower_edge, upper_edge, block.let("x_i", Load("x", loop.index))), guarded)
-        loop.update(least, block.select("margin_next", block.op("less", "lt", share, least), share, least))
-    block.leave(least)
-    return Function("margin", (Param("t", None), Param("x", n)), tuple(block.statements), False, MARGIN_DOC, returns_real=True)
+        smallest = loop.carry("margin", real(Fraction(1, 2)))
+        value = _write_x_between_edges(block, spline, (row, weights), loop.index, n)
+        margin = write_margin(block, value, is_width_guarded)
+        is_smaller = block.op("less", "lt", margin, smallest)
+        loop.update(smallest, block.select("margin_next", is_smaller, margin, smallest))
+    block.leave(smallest)
+    params = (Param("t", None), Param("x", n))
+    return Function("margin", params, tuple(block.statements), returns_status=False, doc=MARGIN_DOC, returns_real=True)
 
 
-def _margins(spline: SplineKernels, n: int, guarded: bool) -> Function:
-    """The public `margins`: the margin by component."""
-    block, row, s = start({"t", "x", "margin"}, spline, ("margin",), n)
+def _build_margins(spline: SplineKernels, n: int, is_width_guarded: bool) -> Function:
+    """Build `margins`: the margin by component (n,)."""
+    block, row, s = begin_block_at_time({"t", "x", "margin"}, spline, ("margin",), n)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
-        at = entry(block, row, loop.index)
-        lower_edge = edge(block, spline, n, at, weights, LOWER, "lower_edge")
-        upper_edge = edge(block, spline, n, at, weights, UPPER, "upper_edge")
-        x = block.let("x_i", Load("x", loop.index))
-        block.store("margin", loop.index, margin_component(block, Between(lower_edge, upper_edge, x), guarded))
+        value = _write_x_between_edges(block, spline, (row, weights), loop.index, n)
+        block.store("margin", loop.index, write_margin(block, value, is_width_guarded))
     block.leave()
-    params = (Param("t", None), Param("x", n), Param("margin", n, True))
-    return Function("margins", params, tuple(block.statements), False, MARGINS_DOC)
+    params = (Param("t", None), Param("x", n), Param("margin", n, output=True))
+    return Function("margins", params, tuple(block.statements), returns_status=False, doc=MARGINS_DOC)
 
 
-def _controls(
-    task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool, clock: tuple[Kernel, ...]
-) -> tuple[Function, ...]:
-    """`control`, and `control_tick` where there is a clock."""
-    kernels = (spline.segment, *clock)
-    return tuple(_control(task, replace(spline, segment=kernel), law, n, guarded) for kernel in kernels)
-
-
-def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool) -> Function:
-    """The law at a time that is whatever `spline.segment` takes: seconds or a tick."""
-    (when,) = spline.segment.inputs
-    block = Block({when.name, "x", "u"})
-    bad = not_finite(block, (when,) if when.type is REAL else (), (("x", n),))
-    with block.leave_when(bad, BAD), block.loop("j", n) as loop:
+def _build_control(task: Task, spline: SplineKernels, law: ControlLaw, n: int, is_width_guarded: bool) -> Function:
+    """Build `control`, or `control_tick` where the segment kernel of `spline` takes a tick: u (n,) by (13) and the status."""
+    (time,) = spline.segment.inputs
+    is_tick = time.type is TICK
+    block = Block({time.name, "x", "u"})
+    is_bad = write_has_non_finite(block, () if is_tick else (time,), (("x", n),))
+    with block.leave_when(is_bad, BAD), block.loop("j", n) as loop:
         block.store("u", loop.index, real(0))
-    row, s = block.call(spline.segment, when)
+    row, s = block.call(spline.segment, time)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
         i = loop.index
-        outside = loop.carry("outside", FALSE)
-        at = entry(block, row, i)
-        lower_edge = edge(block, spline, n, at, weights, LOWER, "lower_edge")
-        upper_edge = edge(block, spline, n, at, weights, UPPER, "upper_edge")
-        x = block.let("x_i", Load("x", i))
-        place = place_of(block, law.share(block, i), Between(lower_edge, upper_edge, x), law.signed_gain(block, i), guarded)
-        loop.update(outside, block.select("outside_any", inside_of(block, place), outside, TRUE))
-        block.store("u", i, control_component(block, law, place, law.limit(block, i)))
-    scale_input(block, law, n)
-    block.leave(Select(outside, OUTSIDE, OK))
-    times = "x" if when.type is TICK else "t or x"
-    return Function(
-        "control_tick" if when.type is TICK else "control",
-        (Param(when.name, None, type=when.type), Param("x", n), Param("u", n, True)),
-        tuple(block.statements),
-        True,
-        (
-            law_doc(task, law),
-            _time_doc(task, when.type is TICK),
-            *axes_doc(task),
-            "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward"
-            + inward_doc(task),
-            f"(0 where the tube is empty). BAD_INPUT: {times} has a NaN or an infinity; u is 0. u may be the array x itself.",
-        ),
+        is_outside = loop.carry("outside", FALSE)
+        value = _write_x_between_edges(block, spline, (row, weights), i, n)
+        distances = write_clamped_distances(
+            block, law.write_clamp_share(block, i), value, law.write_signed_gain(block, i), is_width_guarded
+        )
+        loop.update(is_outside, block.select("outside_any", write_is_inside(block, distances), is_outside, TRUE))
+        block.store("u", i, write_input(block, law, distances, law.write_u_max(block, i)))
+    write_input_scaling(block, law, n)
+    block.leave(Select(is_outside, OUTSIDE, OK))
+    tested_inputs = "x" if is_tick else "t or x"
+    doc = (
+        law_doc(task, law),
+        _time_doc(task, is_tick),
+        *axes_doc(task),
+        "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward"
+        + inward_doc(task),
+        f"(0 where the tube is empty). BAD_INPUT: {tested_inputs} has a NaN or an infinity; u is 0. u may be the array x itself.",
     )
+    params = (Param(time.name, None, type=time.type), Param("x", n), Param("u", n, output=True))
+    name = "control_tick" if is_tick else "control"
+    return Function(name, params, tuple(block.statements), returns_status=True, doc=doc)
 
 
-def _time_doc(task: Task, ticks: bool) -> str:
-    if not ticks:
-        since = f"seconds, as {task.name}_wrap turns them back" if task.repeat else "seconds since the start"
-        return f"t: {since} (held within [0, t_c]); x: state; u: input."
+def _time_doc(task: Task, is_tick: bool) -> str:
+    """Return the line of the comment of `control`, or of `control_tick`, that explains its time, x and u."""
+    if not is_tick:
+        origin = f"seconds, as {task.name}_wrap turns them back" if task.repeat else "seconds since the start"
+        return f"t: {origin} (held within [0, t_c]); x: state; u: input."
     assert task.emit.tick_period is not None
     period = decimal(task.emit.tick_period)
     if task.repeat:

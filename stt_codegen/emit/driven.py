@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from stt_codegen.certify import Certificate
 from stt_codegen.certify.missions import cycle_of
-from stt_codegen.controller.integers import law_of
+from stt_codegen.controller.integers import build_integer_law
 from stt_codegen.designs import Design, require_refined
 from stt_codegen.emit.integers import power_of_two
 from stt_codegen.emit.naming import file_names, guard_name, wrap_name
@@ -36,9 +36,10 @@ def adapter_source(task: Task, design: Design, certificate: Certificate) -> str:
     """Return the C of `loop_own_step`, `loop_own_tube`, `loop_own_margin` and the rest of templates/loop/adapter.c.j2."""
     if task.emit.scalar == "fixed":
         refined = require_refined(design)
+        u_bits = build_integer_law(task, refined).u_bits
         return template("loop/adapter_fixed.c.j2").render(
             prefix=task.name, macro=task.name.upper(), order=task.order, x_scale=power_of_two(refined.bits),
-            u_scale=power_of_two(law_of(task, refined).u_bits), t_c=repr(float(task.prescribed_time)), segments=refined.segments,
+            u_scale=power_of_two(u_bits), t_c=repr(float(task.prescribed_time)), segments=refined.segments,
             rows=len(refined.table), filter=[repr(float(v)) for v in refined.filter],
             table=[[f"{v}.0" for v in row] for row in refined.integers().reshape(len(refined.table), -1)],
         )  # fmt: skip

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from stt_codegen.certify import Certificate
 from stt_codegen.certify.missions import phases
 from stt_codegen.controller import start_share
-from stt_codegen.controller.integers import OVER_BITS, RISE_BITS, law_of
+from stt_codegen.controller.integers import RECIPROCAL_PIECE_BITS, H_PIECE_BITS, build_integer_law
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.emit.naming import phase_name, selftest_name
@@ -41,7 +41,7 @@ def texts(
     common: the names that templates of every scalar read.
     """
     assert program.tick is not None
-    law = law_of(task, design)
+    law = build_integer_law(task, design)
     names = common | _template_names(task, design, program, certificate)
 
     def rendered(template_name: str, **more_names: Any) -> str:
@@ -68,7 +68,7 @@ def texts(
 def _template_names(task: Task, design: RefinedDesign, program: Program, certificate: Certificate) -> dict[str, Any]:
     """Return what only the templates of integers read, or read in another form."""
     assert program.tick is not None
-    law = law_of(task, design)
+    law = build_integer_law(task, design)
     names: dict[str, Any] = {
         "x_bits": design.bits,
         "u_bits": law.u_bits,
@@ -165,7 +165,7 @@ def _stands_in_segments(design: RefinedDesign, last_tick: int) -> list[_Stand]:
 
 def _stands_in_rise_rows(design: RefinedDesign, widths: dict[int, list[int]], octaves: int) -> list[_Stand]:
     """Return a state for every row of the curve H, where the tube is widest, so that u is the smallest."""
-    n, rows = design.dimension, octaves << RISE_BITS
+    n, rows = design.dimension, octaves << H_PIECE_BITS
     widest_tick = max(widths, key=lambda tick: min(widths[tick]))
     stands = []
     for row in range(rows):
@@ -179,7 +179,7 @@ def _stands_in_over_rows(design: RefinedDesign, widths: dict[int, list[int]]) ->
     stands = []
     covered_rows: set[tuple[int, int]] = set()
     for tick, tick_widths in widths.items():
-        rows = {(i, w >> (w.bit_length() - 1 - OVER_BITS)) for i, w in enumerate(tick_widths)}
+        rows = {(i, w >> (w.bit_length() - 1 - RECIPROCAL_PIECE_BITS)) for i, w in enumerate(tick_widths)}
         if rows - covered_rows:
             stands.append(_near_middle(tick, tick, design.dimension))
             covered_rows |= rows
@@ -213,8 +213,8 @@ def _near_middle(tick: int, k: int, n: int) -> _Stand:
 
 def _share_in_row(row: int, octaves: int, is_high: bool) -> float:
     """Return the share at which y = 1 - |e| is in the middle of a row of H; is_high: on the upper half."""
-    octave, part = divmod(row % (octaves << RISE_BITS), 1 << RISE_BITS)
-    y = 2.0 ** -(octave + 1) * (1 + (part + 0.5) / (1 << RISE_BITS))
+    octave, part = divmod(row % (octaves << H_PIECE_BITS), 1 << H_PIECE_BITS)
+    y = 2.0 ** -(octave + 1) * (1 + (part + 0.5) / (1 << H_PIECE_BITS))
     return 1 - y / 2 if is_high else y / 2
 
 

@@ -15,7 +15,7 @@ import pytest
 
 import stt_codegen as stt
 from stt_codegen.certify.checker import main as check_alone
-from stt_codegen.controller.covered_starts import NAMES, start_share, starts_of
+from stt_codegen.controller.covered_starts import BOUND_TABLES, compute_covered_starts, start_share
 from stt_codegen.designs.filtered import slopes_at_start
 from stt_codegen.program.number import FORMATS
 from stt_codegen.sampling.numbers import FRACTIONS
@@ -75,7 +75,7 @@ def test_a_start_without_a_proof_is_not_covered(name: str) -> None:
     begins at the true state. Some are covered, and so is the initial state."""
     controller, draw = controller_of_case(name), random.Random(name)
     task, design = controller.task, controller.design
-    starts, covered_count = starts_of(task, design), 0
+    starts, covered_count = compute_covered_starts(task, design), 0
     noise = task.plant.noise or Fraction(0)
     noise_v = Fraction(0) if task.uses_differences else task.plant.noise_v or Fraction(0)
 
@@ -86,7 +86,7 @@ def test_a_start_without_a_proof_is_not_covered(name: str) -> None:
         return draw.choice([bound + step * Fraction(draw.uniform(-3, 3)), low + (high - low) * Fraction(draw.random())])
 
     for _ in range(250):
-        x = [draw_near(pair, noise) for pair in starts.places]
+        x = [draw_near(pair, noise) for pair in starts.positions]
         v = None
         if task.order == 2:
             pairs = zip(starts.filtered, design.filter, x, strict=True)
@@ -108,7 +108,7 @@ def test_the_bounds_of_covered_allow_for_noise_and_two_roundings_and_no_more(nam
     task, design = controller.task, controller.design
     noise = task.plant.noise or Fraction(0)
     largest_coordinate = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
-    for i, (low, high) in enumerate(starts_of(task, design).places):
+    for i, (low, high) in enumerate(compute_covered_starts(task, design).positions):
         a, b = (int(edge) * design.unit for edge in design.bezier()[0, i, :, 0])
         half_width = start_share(task) * (b - a) / 2
         rounding = design.unit if task.emit.scalar == "fixed" else 2 * FORMATS[task.emit.scalar].roundoff * largest_coordinate
@@ -204,7 +204,7 @@ def test_another_start_share_in_the_header_is_refused(name: str, old: str, new: 
     assert exit_code_of_checker(tmp_path, controller, source, header.replace(old, new)) == 1
 
 
-@pytest.mark.parametrize("table", NAMES[:2])
+@pytest.mark.parametrize("table", BOUND_TABLES[:2])
 def test_a_bound_of_integers_that_covers_more_is_refused(table: str, tmp_path: Path) -> None:
     controller = controller_of_case("gantry")
     source, header = (controller.files[f"gantry.{kind}"].decode() for kind in ("c", "h"))

@@ -11,7 +11,7 @@ import pytest
 
 from stt_codegen.certify.exact import certify_refined
 from stt_codegen.certify.slack import units_above
-from stt_codegen.controller.edge_errors import edge_error, time_error
+from stt_codegen.controller.edge_errors import edge_error, spline_time_error
 from stt_codegen.decimals import above, below
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput
@@ -56,7 +56,7 @@ def hard_times(design: RefinedDesign) -> list[np.float32]:
 @pytest.mark.parametrize("t_c", [Fraction(9), Fraction("0.7"), Fraction(1, 3)])
 def test_the_error_of_the_spline_time_is_between_a_tenth_of_its_bound_and_the_bound(segments: int, t_c: Fraction) -> None:
     design = steep_design(segments, t_c)
-    bound = time_error(design, "float")
+    bound = spline_time_error(design, "float")
     worst = Fraction(0)
     for t in hard_times(design):
         true = min(max(Fraction(float(t)), Fraction(0)), t_c) * segments / t_c

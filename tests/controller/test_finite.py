@@ -50,7 +50,7 @@ def interval(low: Fraction, high: Fraction) -> arb:
 @pytest.mark.parametrize("name", ["omni_s2", "omni_board", "spacecraft"])
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_the_law_is_far_from_overflow_for_every_clamped_error(name: str, scalar: str) -> None:
-    """Widths from MINIMUM_WIDTH to twice the state space; the bound is at most the one by which `control_law_of` refuses tasks."""
+    """Widths from MINIMUM_WIDTH to twice the state space; the bound is at most the one by which `build_control_law` refuses tasks."""
     controller = controller_of(name, scalar)
     near = (1 - controller.task.e_max[0]) / 2
     space = controller.task.state_space

@@ -22,15 +22,15 @@ from stt_codegen.certify.missions.proof import CLOCK
 from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.compare.integer_comparison import ticks_and_states
 from stt_codegen.controller.integers import curves, integer_errors
-from stt_codegen.controller.integers.constants import law_of
+from stt_codegen.controller.integers.constants import build_integer_law
 from stt_codegen.controller.integers.fixed_program import fixed_program
 from stt_codegen.controller.integers.integer_kernels import (
     HALF_WORD,
-    clock_of,
-    rate_of,
-    rates_kernel,
-    segment_kernel,
-    weights_kernel,
+    build_integer_segment_kernel,
+    build_rate_weights_kernel,
+    build_weights_kernel,
+    choose_clock,
+    choose_rate_scale,
 )
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput
@@ -66,9 +66,9 @@ def design_of(name: str) -> RefinedDesign:
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_no_value_exceeds_32_bits_for_any_input(name: str) -> None:
-    program, law = limited_controller(name).program, law_of(limited_controller(name).task, design_of(name))
+    program, law = limited_controller(name).program, build_integer_law(limited_controller(name).task, design_of(name))
     assert set(ranges(program, "tube")) >= {"lower", "upper"}
-    largest_limit = max(law.limits)
+    largest_limit = max(law.u_limits)
     assert ranges(program, "control")["u"] == Span(-largest_limit, largest_limit)
     assert ranges(program, "margin")["margin"] == Span(-HALF_WORD, HALF_WORD // 2)
 
@@ -130,12 +130,12 @@ def test_without_one_of_these_clamps_a_value_may_exceed_its_type(name: str) -> N
 
 def test_without_one_of_these_clamps_a_value_has_another_meaning() -> None:
     """The clamp of y keeps it below 1, so that its row is one of H; the clamp of e keeps |e| within e_max."""
-    program, rows = limited_controller("omni_s2").program, len(curves.over_rows())
-    law = law_of(limited_controller("omni_s2").task, design_of("omni_s2"))
+    program, rows = limited_controller("omni_s2").program, len(curves.reciprocal_pieces())
+    law = build_integer_law(limited_controller("omni_s2").task, design_of("omni_s2"))
     for name, row_is_of_h, e_is_clamped in (("", True, True), ("y", False, True), ("e", True, False)):
         spans = ranges(without_clamp(program, name) if name else program, "control")
         assert (spans["rise_row"].low >= rows) == row_is_of_h
-        assert (spans["e"].high <= law.top) == e_is_clamped
+        assert (spans["e"].high <= law.largest_e) == e_is_clamped
 
 
 # ------------------------------------------------------------------------------------------------ the same in C and Python
@@ -223,7 +223,7 @@ def test_the_self_test_fails_with_a_wrong_row_of_the_curves_where_u_shows_it(nam
     first_lines = [
         k for k, line in enumerate(lines) if line.startswith("static const") and any(f"_{t}[" in line for t in CURVE_TABLES)
     ]
-    law, rows = law_of(controller.task, design_of(name)), len(curves.over_rows())
+    law, rows = build_integer_law(controller.task, design_of(name)), len(curves.reciprocal_pieces())
     levels = [int(lines[first_lines[0] + 1 + k].strip(" ,")) for k in range(rows + 8 * law.octaves)]
 
     def is_noticed(row: int, *entries: int) -> bool:
@@ -276,7 +276,7 @@ def test_p9_allows_for_the_rounding_of_a_measured_state_to_its_unit(name: str) -
         per_second = Fraction(design.segments) / design.prescribed_time
         tick = limited_controller(name).program.tick or Fraction(1)
         step = abs(design.integers()[1:] - design.integers()[:-1]).max(axis=(0, 2))
-        weight_error = integer_errors.rate_weight_error(rate_of(design), per_second)
+        weight_error = integer_errors.rate_weight_error(choose_rate_scale(design), per_second)
         rounding_units = [
             r / design.unit - int(d) * weight_error for r, d in zip(integer_errors.rate_error(design, tick), step, strict=True)
         ]
@@ -322,27 +322,31 @@ def test_with_every_gain_limit_and_clamp_u_is_within_its_error_or_refused(name: 
     assert all(row.holds for row in rows), [row for row in rows if not row.holds]
 
 
-@pytest.mark.parametrize(("rows", "curve"), [(curves.over_rows(), curves.over), (curves.rise_rows(9), curves.rise)])
-def test_every_row_of_a_curve_is_within_its_error_everywhere(rows: tuple[curves.Row, ...], curve: curves.Curve) -> None:
+@pytest.mark.parametrize(
+    ("rows", "curve"), [(curves.reciprocal_pieces(), curves.scaled_reciprocal), (curves.h_pieces(9), curves.curve_h)]
+)
+def test_every_row_of_a_curve_is_within_its_error_everywhere(
+    rows: tuple[curves.QuadraticPiece, ...], curve: curves.Curve
+) -> None:
     """The test computes all 2^16 values of a row with the controller's integers, and compares at both ends of each value's interval.
     The truth is in doubles, whose own error of H is up to 2^-30 near y = 1."""
     t = np.arange(HALF_WORD, dtype=np.int64)
     for row in rows:
         slope = row.slope - ((row.bend * t) >> 16)
-        value = (row.level - ((slope * t) >> (16 + curves.SLOPE_BITS))) * 2.0**row.places
+        value = (row.level - ((slope * t) >> (16 + curves.SLOPE_BITS))) * 2.0**row.shift
         assert value.min() > 0
-        assert value.max() < HALF_WORD * 2.0**row.places  # it fits into the last 16 bits
+        assert value.max() < HALF_WORD * 2.0**row.shift  # it fits into the last 16 bits
         argument, value = float(row.begin) + float(row.length) * np.append(t, t + 1) / HALF_WORD, np.append(value, value)
         with np.errstate(divide="ignore", invalid="ignore"):
             exact_value = (
-                float(curves.OVER) / argument
-                if curve is curves.over
+                float(curves.RECIPROCAL_NUMERATOR) / argument
+                if curve is curves.scaled_reciprocal
                 else 4 * np.log1p(2 * (1 - argument) / argument) / ((1 - argument) * argument * (2 - argument))
             )
         relative_error = np.abs(value / exact_value - 1)
         relative_error = relative_error[np.isfinite(relative_error)]
-        assert relative_error.max() <= float(row.error(curve)) + 2.0**-30
-        assert relative_error.max() >= float(row.error(curve)) / 8
+        assert relative_error.max() <= float(row.relative_error(curve)) + 2.0**-30
+        assert relative_error.max() >= float(row.relative_error(curve)) / 8
 
 
 def test_the_rise_has_the_steepness_that_the_error_of_the_law_assumes() -> None:
@@ -355,7 +359,7 @@ def test_the_rise_has_the_steepness_that_the_error_of_the_law_assumes() -> None:
     e = 1 - y
     assert np.allclose(e * rise, 2 * np.arctanh(e) * 4 / (1 - e**2), rtol=1e-10)
     assert all(
-        abs(float(curves.rise(Fraction(v))) / (4 * math.log((2 - v) / v) / ((1 - v) * v * (2 - v))) - 1) < 1e-12
+        abs(float(curves.curve_h(Fraction(v))) / (4 * math.log((2 - v) / v) / ((1 - v) * v * (2 - v))) - 1) < 1e-12
         for v in (0.01, 0.5, 0.9)
     )
 
@@ -364,11 +368,11 @@ def test_the_rise_has_the_steepness_that_the_error_of_the_law_assumes() -> None:
 def test_the_spline_time_of_a_tick_is_within_its_error(name: str) -> None:
     task, design = limited_controller(name).task, design_of(name)
     period = task.emit.tick_period or Fraction(1)
-    clock = clock_of(design, period)
-    kernel = segment_kernel(clock, design)
-    ticks = np.arange(0, clock.last + 3, dtype=np.int64)
-    first_entries, shares = integer_errors.at_all(kernel, {"tick": ticks})
-    bound = integer_errors.late(clock)
+    clock = choose_clock(design, period)
+    kernel = build_integer_segment_kernel(clock, design)
+    ticks = np.arange(0, clock.end_tick + 3, dtype=np.int64)
+    first_entries, shares = integer_errors.evaluate_kernel(kernel, {"tick": ticks})
+    bound = integer_errors.segment_position_error(clock)
     for tick, entry, share in zip(ticks.tolist(), first_entries.tolist(), shares.tolist(), strict=True):
         exact_time = min(Fraction(tick) * period * design.segments / design.prescribed_time, Fraction(design.segments))
         assert abs(Fraction(entry, 2 * design.dimension) + Fraction(share, HALF_WORD) - exact_time) <= bound
@@ -378,15 +382,17 @@ def test_rates_are_the_slopes_of_the_weights() -> None:
     """The outer weights are (1 - s)^3 and s^3, the middle one is 3 s + 3 s^2 - 2 s^3; rates are in segments a second."""
     design = design_of("crane")
     per_second = Fraction(design.segments) / design.prescribed_time
-    rate = integer_errors.rate_of(design)
+    rate = integer_errors.choose_rate_scale(design)
     s = np.arange(0, HALF_WORD, 64, dtype=np.int64)
-    computed = integer_errors.at_all(rates_kernel(rate), {"s": s})
+    computed = integer_errors.evaluate_kernel(build_rate_weights_kernel(rate), {"s": s})
     x = s / HALF_WORD
     exact_rates = [3 * (1 - x) ** 2, 3 + 6 * x - 6 * x**2, 3 * x**2]
     bound = float(integer_errors.rate_weight_error(rate, per_second))
-    error = sum(np.abs(w * 2.0**-rate.places - exact * float(per_second)) for w, exact in zip(computed, exact_rates, strict=True))
+    error = sum(
+        np.abs(w * 2.0**-rate.weight_bits - exact * float(per_second)) for w, exact in zip(computed, exact_rates, strict=True)
+    )
     assert error.max() <= bound  # type: ignore[union-attr]
-    w0, w1, w2 = (w.astype(float) for w in integer_errors.at_all(weights_kernel(), {"s": s}))
+    w0, w1, w2 = (w.astype(float) for w in integer_errors.evaluate_kernel(build_weights_kernel(), {"s": s}))
     assert np.abs(w0 * 2.0**-15 - (1 - x) ** 3).max() <= 2.0**-15
     assert np.abs(w1 * 2.0**-14 - (3 * x + 3 * x**2 - 2 * x**3)).max() <= 2.0**-14
     assert np.abs(w2 * 2.0**-15 - x**3).max() <= 2.0**-15
@@ -459,7 +465,7 @@ def test_a_tube_a_gain_or_a_time_beyond_32_bits_is_refused() -> None:
     with pytest.raises(BadInput, match=r"control\.u_max: in integers of 32 bits the least of u_max"):
         fixed_program(with_control(gain=Fraction(10**5), u_max=(Fraction(10**4), Fraction(1, 10))), design)
     with pytest.raises(BadInput, match="beyond 31 bits"):
-        clock_of(design, Fraction(1, 10**9))
+        choose_clock(design, Fraction(1, 10**9))
 
 
 @pytest.mark.parametrize("segments", [4, 5, 8, 32, 1024])
@@ -470,7 +476,9 @@ def test_the_time_error_of_missions_covers_that_of_ticks(segments: int) -> None:
     worst = Fraction(0)
     for count in (2, 1000, 2**14 - 1, 2**14, 2**20, 10**7):
         with suppress(BadInput):  # beyond 31 bits
-            worst = max(worst, integer_errors.late(clock_of(design, design.prescribed_time / count)) / segments)
+            worst = max(
+                worst, integer_errors.segment_position_error(choose_clock(design, design.prescribed_time / count)) / segments
+            )
     assert 0 < worst <= CLOCK["fixed"]
     assert worst > CLOCK["fixed"] / 5 * 4 or segments > 4
 
@@ -498,14 +506,14 @@ def test_a_tube_narrower_than_the_width_that_its_law_assumes_is_refused() -> Non
     assert isinstance(controller.design, RefinedDesign)
     assert all(
         assumed <= narrowest
-        for assumed, narrowest in integer_errors.widths_held(
-            controller.task, controller.design, law_of(controller.task, controller.design)
+        for assumed, narrowest in integer_errors.assumed_and_emitted_widths(
+            controller.task, controller.design, build_integer_law(controller.task, controller.design)
         )
     )
 
 
 def test_a_program_that_could_overflow_is_refused(monkeypatch) -> None:
-    monkeypatch.setattr("stt_codegen.controller.integers.frame.FARTHEST", 1 << 31)
+    monkeypatch.setattr("stt_codegen.controller.integers.frame.LARGEST_STATE", 1 << 31)
     with pytest.raises(BadInput, match=r'emit\.scalar: "fixed" has too few bits'):
         build_program(limited(load_task(ROOT / "tasks" / "omni_s2.toml")), design_of("omni_s2"))
 
@@ -531,7 +539,7 @@ def test_macros_of_the_header_give_the_nearest_units(tool, tmp_path) -> None:
     )
     subprocess.run([tool("gcc"), "-std=c99", "-shared", "-fPIC", "-o", tmp_path / "u.so", tmp_path / "units.c"], check=True)
     units = ctypes.CDLL(str(tmp_path / "u.so")).units
-    design, law = design_of("gantry"), law_of(limited_controller("gantry").task, design_of("gantry"))
+    design, law = design_of("gantry"), build_integer_law(limited_controller("gantry").task, design_of("gantry"))
     nearest = [
         round(Fraction(1, 10) / design.unit),
         -round(Fraction(1, 10) / design.unit),

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stt_codegen import reference
-from stt_codegen.controller.ticks import MOST, ticks_of
+from stt_codegen.controller.ticks import INTEGER_LIMIT, tick_constants
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
@@ -46,13 +46,13 @@ def test_segment_and_rest_are_the_exact_spline_time_of_every_tick(
 ) -> None:
     """The test computes like the kernel: no product exceeds 31 bits, and segment + rest/denominator is the spline time."""
     try:
-        ticks = ticks_of(small_design(segments, t_c), period)
+        ticks = tick_constants(small_design(segments, t_c), period)
     except BadInput:
         return
-    assert (ticks.last - 1) * period < t_c <= ticks.last * period
-    for count in {tick, tick % (ticks.last + 2), 0, ticks.last - 1, ticks.last}:
-        passed = min(count, ticks.last) * ticks.numerator
-        assert passed < MOST
+    assert (ticks.end_tick - 1) * period < t_c <= ticks.end_tick * period
+    for count in {tick, tick % (ticks.end_tick + 2), 0, ticks.end_tick - 1, ticks.end_tick}:
+        passed = min(count, ticks.end_tick) * ticks.numerator
+        assert passed < INTEGER_LIMIT
         position = min(passed, segments * ticks.denominator)
         segment = min(position // ticks.denominator, segments - 1)
         rest = position - segment * ticks.denominator
@@ -66,7 +66,7 @@ def test_the_spline_time_stays_at_its_end_where_the_period_does_not_divide_t_c(p
     controller = controller_with_ticks(TASK, period)
     kernel = GeneratedPython(controller).module._segment_at_tick
     assert isinstance(controller.design, RefinedDesign)
-    last = ticks_of(controller.design, Fraction(period)).last
+    last = tick_constants(controller.design, Fraction(period)).end_tick
     for tick in (0, 1, last - 1, last, last + 1, 2**32 - 1):
         row, s = kernel(tick)
         spline_time = min(tick * Fraction(period), controller.design.prescribed_time) * controller.design.segments
@@ -112,7 +112,7 @@ def test_after_a_day_every_tick_still_changes_u_and_float_seconds_do_not() -> No
 def test_after_the_last_tick_the_tube_stays_as_it_is() -> None:
     controller = controller_with_ticks(TASK, "0.007")
     c = CompiledC(controller)
-    last = ticks_of(controller.design, Fraction("0.007")).last  # type: ignore[arg-type]
+    last = tick_constants(controller.design, Fraction("0.007")).end_tick  # type: ignore[arg-type]
     x = np.full((4, 2), 4.75, np.float32)
     status, u = c.call("control_tick", np.array([last, last + 1, 2**31, 2**32 - 1]), x)
     assert (u == u[0]).all()
@@ -134,16 +134,16 @@ def test_python_takes_whole_numbers_and_refuses_others() -> None:
 def test_a_period_that_does_not_fit_names_one_that_does(t_c: str, period: str) -> None:
     design = small_design(32, Fraction(t_c))
     with pytest.raises(BadInput, match=r"emit\.tick_period") as refusal:
-        ticks_of(design, Fraction(period))
+        tick_constants(design, Fraction(period))
     remedy = re.search(r"; (\S+) s makes smaller ones", str(refusal.value))
     assert remedy
-    assert ticks_of(design, Fraction(remedy.group(1)))
+    assert tick_constants(design, Fraction(remedy.group(1)))
 
 
 @pytest.mark.parametrize(("t_c", "period"), [("86400.000001", "0.001"), ("9.87654321", "0.00123456789")])
 def test_where_no_round_period_fits_the_refusal_asks_for_another_time(t_c: str, period: str) -> None:
     with pytest.raises(BadInput, match="make prescribed_time a number of fewer digits"):
-        ticks_of(small_design(1024, Fraction(t_c)), Fraction(period))
+        tick_constants(small_design(1024, Fraction(t_c)), Fraction(period))
 
 
 @pytest.mark.parametrize("design", ["adaptive", "literal"])

@@ -1,22 +1,22 @@
-"""A controller in integers alone, for boards without a floating-point unit."""
+"""A controller in integers alone, for boards without a floating-point unit, and the errors of its arithmetic."""
 
-from stt_codegen.controller.integers.constants import law_of
-from stt_codegen.controller.integers.curves import OVER_BITS, RISE_BITS
+from stt_codegen.controller.integers.constants import build_integer_law
+from stt_codegen.controller.integers.curves import H_PIECE_BITS, RECIPROCAL_PIECE_BITS
 from stt_codegen.controller.integers.fixed_program import fixed_program
-from stt_codegen.controller.integers.frame import FARTHEST, MARGIN_BITS
-from stt_codegen.controller.integers.integer_errors import law_error, widest
-from stt_codegen.controller.integers.integer_kernels import clock_of
+from stt_codegen.controller.integers.frame import LARGEST_STATE, MARGIN_BITS
+from stt_codegen.controller.integers.integer_errors import largest_law_width, law_error
+from stt_codegen.controller.integers.integer_kernels import choose_clock
 
 __all__ = [
-    "FARTHEST",
+    "H_PIECE_BITS",
+    "LARGEST_STATE",
     "MARGIN_BITS",
-    "OVER_BITS",
-    "RISE_BITS",
-    "clock_of",
+    "RECIPROCAL_PIECE_BITS",
+    "build_integer_law",
+    "choose_clock",
     "curves",
     "fixed_program",
     "integer_errors",
+    "largest_law_width",
     "law_error",
-    "law_of",
-    "widest",
 ]

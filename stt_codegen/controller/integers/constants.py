@@ -1,4 +1,7 @@
-"""The constants of (13) in integers, for one task and tube."""
+"""The constants of the control law (13) in integers, for one task and tube, and their tables in the emitted code.
+
+fixed_program.py and frame.py build the controller from them; integer_kernels.py explains the arithmetic that they are for.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from stt_codegen.controller.integers.curves import RISE_BITS, over_rows, rise_rows
+from stt_codegen.controller.integers.curves import H_PIECE_BITS, h_pieces, reciprocal_pieces
 from stt_codegen.controller.integers.integer_kernels import HALF_WORD
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered_edges
@@ -15,136 +18,155 @@ from stt_codegen.errors import BadInput
 from stt_codegen.program import INT, Table, round_down
 from stt_codegen.task import Task
 
-NARROW = 256  # units: a narrower tube counts as so wide
-ROOM = 64  # units by which the arithmetic moves both edges together at most, of a tube whose width matters
-ONE = 1 << 30
-LEAST_SIZE = ONE >> 4  # times |e|: the size of `push` is above that, h being above 0.43 2^16, r and the gain above 0.49 2^16
-LOOSE = Fraction(1, 1 << 13)  # above what 1/width is wrong by, relative
+SMALLEST_LAW_WIDTH = 256  # units of x: the law takes a narrower tube to be so wide
+WIDTH_ERROR_LIMIT = 64  # units of x: the arithmetic changes the width by at most so much, of a tube whose width matters
+FIXED_ONE = 1 << 30  # the number 1 in the units 2^-30 of e and y
+SMALLEST_PRODUCT = (
+    FIXED_ONE >> 4
+)  # over |e|: the product that `push` shifts is above it, as H > 0.43 2^16, and r and the gain > 0.49 2^16
+RECIPROCAL_ERROR_LIMIT = Fraction(1, 1 << 13)  # a relative error that 1/width does not reach
 
 
 @dataclass(frozen=True)
-class FixedLaw:
-    """Constants of (13) in integers, for units of 2^-bits of x and a tube whose width is at least `narrow` units."""
+class IntegerLaw:
+    """The constants of (13) in integers.
+
+    x counts units of 2^-bits. The width of the tube that the law calculates with is at least `smallest_width` units."""
 
     gain: tuple[Fraction, ...]
     u_max: tuple[Fraction, ...]
     e_max: Fraction
     bits: int
-    narrow: int
+    smallest_width: int
 
     @property
-    def top(self) -> int:
-        """|e| is held within this, in 2^-30: not below e_max, whatever 1/width is wrong by."""
-        return min(ONE - 1, math.ceil(self.e_max * (1 + LOOSE) * ONE))
+    def largest_e(self) -> int:
+        """The clamp of |e| in 2^-30: not below e_max, whatever the error of 1/width."""
+        return min(FIXED_ONE - 1, math.ceil(self.e_max * (1 + RECIPROCAL_ERROR_LIMIT) * FIXED_ONE))
 
     @property
-    def lowest(self) -> int:
-        """y = 1 - |e| is held from there on, in 2^-30: not above 1 - e_max, whatever 1/width is wrong by."""
-        return math.floor((1 - self.e_max) * (1 - LOOSE) * ONE)
+    def smallest_y(self) -> int:
+        """The lower clamp of y = 1 - |e| in 2^-30: not above 1 - e_max, whatever the error of 1/width."""
+        return math.floor((1 - self.e_max) * (1 - RECIPROCAL_ERROR_LIMIT) * FIXED_ONE)
 
     @property
     def octaves(self) -> int:
-        """How many times y may be halved below 1."""
-        return 31 - self.lowest.bit_length()
+        """The number of octaves [2^-m, 2^(1 - m)), from m = 1 on, that y may be in."""
+        return 31 - self.smallest_y.bit_length()
 
     @cached_property
-    def places(self) -> tuple[int, ...]:
-        """By row of the curve H, by how many places u moves up; at least 0, for a row near y = 1 has one less than the first."""
-        rows = rise_rows(self.octaves)
-        return tuple(r.places - rows[0].places + 1 for r in rows)
+    def h_shifts(self) -> tuple[int, ...]:
+        """By piece of H, the number of bits by which u is shifted up for it.
+
+        All are at least 0: a piece near y = 1 has one bit less than the first, which has 1."""
+        pieces = h_pieces(self.octaves)
+        return tuple(piece.shift - pieces[0].shift + 1 for piece in pieces)
 
     @cached_property
-    def base(self) -> int:
-        """places stand for 2^(places - base)."""
-        return 1 - rise_rows(self.octaves)[0].places
+    def h_shift_base(self) -> int:
+        """An entry s of `h_shifts` stands for the factor 2^(s - h_shift_base)."""
+        return 1 - h_pieces(self.octaves)[0].shift
 
-    def _split(self, gain: Fraction, u_bits: int) -> tuple[int, int]:
-        """Mantissa of 16 bits and exponent of the gain for units of x and u."""
-        whole = gain * Fraction(2) ** (self.bits + u_bits)
-        exponent = math.frexp(float(whole))[1] - 16
-        mantissa = round(whole / Fraction(2) ** exponent)
+    def _split_gain(self, gain: Fraction, u_bits: int) -> tuple[int, int]:
+        """Return mantissa of 16 bits and exponent of the gain that takes units of x to units of 2^-u_bits of u."""
+        scaled_gain = gain * Fraction(2) ** (self.bits + u_bits)
+        exponent = math.frexp(float(scaled_gain))[1] - 16
+        mantissa = round(scaled_gain / Fraction(2) ** exponent)
         return (mantissa, exponent) if mantissa < HALF_WORD else (mantissa >> 1, exponent + 1)
 
     @cached_property
     def u_bits(self) -> int:
-        """So many bits of u's fraction that |u| is right below u_max: u is moved down alone, by at least 0 places; where it would
-        have to move up, the size before is beyond u_max already. Raises `BadInput` where u_max has then less than 20 bits."""
-        up = 31 - self.narrow.bit_length()  # of the narrowest tube
-        most = 30 - math.ceil(math.log2(max(self.u_max)))
-        for bits in range(most, most - 60, -1):
-            room = min(self._offset(k, bits) for k in self.gain) - up
-            tight = [r for r, p in zip(rise_rows(self.octaves), self.places, strict=True) if p > room]
-            far = min((1 - r.begin - r.length for r in tight), default=Fraction(1))  # the least |e| of these rows
-            if max(self.u_max) * 2**bits <= far * LEAST_SIZE:
+        """The largest number of bits of u's fraction with which |u| below u_max is computed without an upward shift.
+
+        `push` only shifts its product down. A product that would have to be shifted up must therefore be beyond u_max already.
+        Raises `BadInput` where some u_max then has fewer than 20 bits."""
+        width_shift = 31 - self.smallest_width.bit_length()  # of the narrowest tube
+        largest_bits = 30 - math.ceil(math.log2(max(self.u_max)))
+        for bits in range(largest_bits, largest_bits - 60, -1):
+            largest_h_shift = min(self._shift_offset(k, bits) for k in self.gain) - width_shift
+            pieces = zip(h_pieces(self.octaves), self.h_shifts, strict=True)
+            # |e| at the ends of the pieces that would need an upward shift; the product grows with |e|
+            e_values = [1 - piece.begin - piece.length for piece, shift in pieces if shift > largest_h_shift]
+            if max(self.u_max) * 2**bits <= min(e_values, default=Fraction(1)) * SMALLEST_PRODUCT:
                 break
         if min(self.u_max) * 2**bits < 1 << 19:
-            known = math.floor(min(self.u_max) * Fraction(2) ** bits).bit_length()
-            told = f"the least of u_max, {decimal(min(self.u_max))}, has {known} bits"
-            why = f"beside gain {by_component(self.gain)} and u_max {by_component(self.u_max)}, and needs 20"
+            limit_bits = math.floor(min(self.u_max) * Fraction(2) ** bits).bit_length()
+            problem = f"the least of u_max, {decimal(min(self.u_max))}, has {limit_bits} bits"
+            cause = f"beside gain {by_component(self.gain)} and u_max {by_component(self.u_max)}, and needs 20"
             raise BadInput(
-                f"control.u_max: in integers of 32 bits {told} {why}; make gains and limits of the components more alike, lower "
-                'control.gain, raise the least u_max or tube.min_width, or use emit.scalar = "float"'
+                f"control.u_max: in integers of 32 bits {problem} {cause}; make gains and limits of the components more alike, "
+                'lower control.gain, raise the least u_max or tube.min_width, or use emit.scalar = "float"'
             )
         return bits
 
     @cached_property
-    def mantissas(self) -> tuple[int, ...]:
-        return tuple(self._split(abs(k), self.u_bits)[0] for k in self.gain)
+    def gain_mantissas(self) -> tuple[int, ...]:
+        return tuple(self._split_gain(abs(k), self.u_bits)[0] for k in self.gain)
 
     @property
-    def offsets(self) -> tuple[int, ...]:
-        return tuple(self._offset(k, self.u_bits) for k in self.gain)
+    def shift_offsets(self) -> tuple[int, ...]:
+        """By component, what `_shift_offset` returns for its gain."""
+        return tuple(self._shift_offset(k, self.u_bits) for k in self.gain)
 
-    def _offset(self, gain: Fraction, u_bits: int) -> int:
-        """u is size moved down by offset - n - places: e in 2^-30, H = h 2^(places - base), 1/width = r 2^(n - 46), the gain's
-        exponent, and 2^48 that the three products of `push` cut off: 30 + base + 46 - 48 - exponent."""
-        return 28 + self.base - self._split(abs(gain), u_bits)[1]
+    def _shift_offset(self, gain: Fraction, u_bits: int) -> int:
+        """Return the offset in the number of bits, offset - n - h_shift, by which `push` shifts its product down to units of u.
+
+        It is 30 + h_shift_base + 46 - 48 - exponent of the gain: e is in 2^-30, H = h 2^(h_shift - h_shift_base),
+        1/width = r 2^(n - 46) for a width shifted up by n bits, and the three products of `push` drop 48 bits."""
+        return 28 + self.h_shift_base - self._split_gain(abs(gain), u_bits)[1]
 
     @cached_property
-    def limits(self) -> tuple[int, ...]:
-        """The largest |u|, in its units: u_max to 20 bits."""
+    def u_limits(self) -> tuple[int, ...]:
+        """By component, the largest |u| in units of u: u_max rounded down to 20 bits."""
         return tuple(math.floor(round_down(v, "fixed") * Fraction(2) ** self.u_bits) for v in self.u_max)
 
 
-def law_of(task: Task, design: RefinedDesign) -> FixedLaw:
-    """The constants of (13) for this task and tube; for order 2 for the filtered one."""
+def build_integer_law(task: Task, design: RefinedDesign) -> IntegerLaw:
+    """Build the constants of (13) for this task and tube; for order 2 for the filtered tube."""
     assert task.u_max is not None  # task/checks/field_checks.py
-    return FixedLaw(
-        task.gain, task.u_max, max(task.e_max), design.bits, narrow_of(narrowest(design)[bool(design.filter)] / design.unit)
-    )
+    width = smallest_widths(design)[bool(design.filter)] / design.unit
+    return IntegerLaw(task.gain, task.u_max, max(task.e_max), design.bits, law_width(width))
 
 
-def narrowest(design: RefinedDesign) -> tuple[Fraction, Fraction]:
-    """The least width of the tube, and for order 2 of the filtered one, in the task's units, the latter a second."""
+def smallest_widths(design: RefinedDesign) -> tuple[Fraction, Fraction]:
+    """Return the smallest width of the tube, in the task's units, and of the tube that the law is about.
+
+    For order 1 both are one tube; for order 2 the latter is the filtered tube, in units per second."""
     table = design.integers()
-    own = 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).min()) * design.unit
+    width = 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).min()) * design.unit
     if not design.filter:
-        return own, own
+        return width, width
     pieces = filtered_edges(design)
-    return own, int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min()) * pieces.unit
+    return width, int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min()) * pieces.unit
 
 
-def narrow_of(units: Fraction) -> int:
-    """A power of two below a width in units, less what the arithmetic may take; at least NARROW."""
-    return max(NARROW, 1 << max(0, math.floor(units - ROOM).bit_length() - 1))
+def law_width(smallest_width: Fraction) -> int:
+    """Return the width that the law takes a narrower tube to have, for a tube of this smallest width; both in units of x.
+
+    It is a power of two below the width less the error of the arithmetic, and at least SMALLEST_LAW_WIDTH."""
+    return max(SMALLEST_LAW_WIDTH, 1 << max(0, math.floor(smallest_width - WIDTH_ERROR_LIMIT).bit_length() - 1))
 
 
-def table(name: str, values: tuple[int, ...], row: int, *doc: str) -> Table:
-    return Table(name, tuple(map(Fraction, values)), row, doc, INT)
+def integer_table(name: str, values: tuple[int, ...], row_length: int, *doc: str) -> Table:
+    """Build a table of integers of the emitted code."""
+    return Table(name, tuple(map(Fraction, values)), row_length, doc, INT)
 
 
-def law_tables(law: FixedLaw) -> tuple[Table, ...]:
-    rows = (*over_rows(), *rise_rows(law.octaves))
+def build_law_tables(law: IntegerLaw) -> tuple[Table, ...]:
+    """Build the tables of the law: its quadratics by piece, and its gains and limits by component."""
+    reciprocals = reciprocal_pieces()
+    pieces = (*reciprocals, *h_pieces(law.octaves))
     doc = (
-        f"Quadratics level - (slope - bend t) t, by row: {len(over_rows())} for 1/d, d in [2^30, 2^31), then",
-        f"{1 << RISE_BITS} for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)), which also moves up, by:",
+        f"Quadratics level - (slope - bend t) t, by row: {len(reciprocals)} for 1/d, d in [2^30, 2^31), then",
+        f"{1 << H_PIECE_BITS} for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)), which also moves up, by:",
     )
+    n = len(law.gain)
     return (
-        table("levels", tuple(r.level for r in rows), 1, *doc),
-        table("slopes", tuple(r.slope for r in rows), 1),
-        table("bends", tuple(r.bend for r in rows), 1),
-        table("places", (*(0 for _ in over_rows()), *law.places), 1),
-        table("gains", law.mantissas, len(law.gain), "By component: the gain, 16 bits of it."),
-        table("offsets", law.offsets, len(law.gain), "By how many places less u moves up."),
-        table("limits", law.limits, len(law.gain), "The largest |u|."),
+        integer_table("levels", tuple(piece.level for piece in pieces), 1, *doc),
+        integer_table("slopes", tuple(piece.slope for piece in pieces), 1),
+        integer_table("bends", tuple(piece.bend for piece in pieces), 1),
+        integer_table("places", (*(0 for _ in reciprocals), *law.h_shifts), 1),
+        integer_table("gains", law.gain_mantissas, n, "By component: the gain, 16 bits of it."),
+        integer_table("offsets", law.shift_offsets, n, "By how many places less u moves up."),
+        integer_table("limits", law.u_limits, n, "The largest |u|."),
     )

@@ -1,12 +1,17 @@
-"""The two curves of the law in integers, by quadratics: 1/d, and H(y) = 4 ln((2 - y)/y)/((1 - y) y (2 - y)).
+"""The two functions that the law in integers looks up, as quadratics by pieces: 1/d and H.
 
-Both take a number in [2^30, 2^31), a value moved up until it begins with a 1. The bits after the first say which row of the table
-has its piece, the 16 bits behind them its place t in the piece. A row stands for
+H(y) = 4 ln((2 - y)/y)/((1 - y) y (2 - y)), with y = 1 - |e| and e the normalized error.
 
-    2^places (level - (slope - bend t) t),     slope and bend in 2^-SLOPE_BITS,
+integer_kernels.py explains why (13) needs 1/d and H; constants.py makes the tables; integer_errors.py uses the error bounds here.
 
-and interpolates the curve at t = 1/15, 1/2, 14/15, which are next to Chebyshev's nodes. Rows of 1/d come first, then those of H:
-by how many places y moves up, and in every octave from its least number on.
+Both functions are looked up by a number in [2^30, 2^31): the argument, shifted up until its first bit is 1. The bits after the
+first select the piece in the table, and the 16 bits behind them are the position t in [0, 1) in the piece. A piece stands for
+
+    2^shift (level - (slope - bend t) t),     slope and bend in 2^-SLOPE_BITS,
+
+and interpolates the function at t = 1/15, 1/2, 14/15, which are close to Chebyshev's nodes. The pieces of 1/d come first in the
+tables. Then come those of H, by the number of bits by which y is shifted up; in each octave from its smallest number on.
+docs/accuracy.md has the resulting bounds.
 """
 
 from __future__ import annotations
@@ -18,97 +23,102 @@ from functools import cache
 
 from stt_codegen.program.analyse import logarithm
 
-SLOPE_BITS = 1  # a slope then fits 15 bits
-OVER_BITS, RISE_BITS = 4, 3  # so many bits after the first say the piece
-NODES = (Fraction(1, 15), Fraction(1, 2), Fraction(14, 15))
-LEVEL = 1 << 16  # no level reaches it
-OVER = (Fraction(LEVEL) - Fraction(1, 2)) * 2**30  # 1/d is this over the number: then it has 16 bits from 2^30 on
+SLOPE_BITS = 1  # of the fractions of slope and bend: a slope then fits 15 bits
+RECIPROCAL_PIECE_BITS, H_PIECE_BITS = 4, 3  # so many bits after the first select the piece
+NODES = (Fraction(1, 15), Fraction(1, 2), Fraction(14, 15))  # positions t at which a piece interpolates
+LEVEL_LIMIT = 1 << 16  # every level is below it
+RECIPROCAL_NUMERATOR = (Fraction(LEVEL_LIMIT) - Fraction(1, 2)) * 2**30  # over d it has 16 bits from d = 2^30 on
 Curve = Callable[[Fraction], Fraction]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
-    """One piece: of a curve from `begin` on, `length` long; value = 2^places (level - (slope - bend t) t)."""
+class QuadraticPiece:
+    """A quadratic for a curve on [begin, begin + length]: 2^shift (level - (slope - bend t) t), t in [0, 1]."""
 
     begin: Fraction
     length: Fraction
     level: int
-    slope: int
-    bend: int
-    places: int
+    slope: int  # in 2^-SLOPE_BITS
+    bend: int  # in 2^-SLOPE_BITS
+    shift: int
 
-    def error(self, curve: Curve) -> Fraction:
-        """A bound on what the emitted quadratic is wrong by, relative: the interpolation's, and the roundings."""
-        scale = Fraction(2) ** self.places
-        steps = [self.begin - self.length * k / 16 for k in range(4)]
-        # |f'''| falls, so it is larger before the piece: 1/m's plainly; H is 8 atanh(e)/e/(1 - e^2), e = 1 - y, a power series in
-        # e with no negative coefficient.
-        third = abs(_divided([(y, curve(y)) for y in steps]))  # |f'''|/6 somewhere there
-        between = max(abs(_nodal(Fraction(k, 512))) for k in range(513)) + Fraction(2, 512)  # its slope is below 2
-        missed = third * self.length**3 * between / scale
-        # `level` is rounded by 1/2, and has 1/4 less, which centres what two shifts take: 3/4 at most, either way. `slope` and
-        # `bend` are rounded by half of 2^-SLOPE_BITS each. t is cut to 16 bits, in which the row falls by so much.
-        rounded = (
-            Fraction(1, 2) + 2 * Fraction(1, 2 << SLOPE_BITS) + Fraction(3, 4) + Fraction(self.slope, 1 << (16 + SLOPE_BITS))
-        )
-        least = self.level - (self.slope >> SLOPE_BITS) - 1
-        return (missed + rounded) / least
+    def relative_error(self, curve: Curve) -> Fraction:
+        """Bound the relative error of the emitted quadratic: that of interpolation, and roundings."""
+        scale = Fraction(2) ** self.shift
+        points_before = [self.begin - self.length * k / 16 for k in range(4)]
+        # |f'''| falls with the argument, so it is larger before the piece than in it. For 1/d that is plain. H is
+        # 8 atanh(e)/e/(1 - e^2), e = 1 - y, a power series in e without negative coefficients.
+        third_derivative = abs(
+            _divided_difference([(y, curve(y)) for y in points_before])
+        )  # |f'''|/6 at a point before the piece
+        largest_node_product = max(abs(_node_product(Fraction(k, 512))) for k in range(513)) + Fraction(
+            2, 512
+        )  # its slope is < 2
+        interpolation_error = third_derivative * self.length**3 * largest_node_product / scale
+        # `level` is rounded by 1/2. It is lowered by 1/4, which centres the error of two shifts: 3/4 at most, either way. `slope`
+        # and `bend` are rounded by half of 2^-SLOPE_BITS each. t is cut to 16 bits; over the rest the quadratic falls so much.
+        t_error = Fraction(self.slope, 1 << (16 + SLOPE_BITS))
+        rounding_error = Fraction(1, 2) + 2 * Fraction(1, 2 << SLOPE_BITS) + Fraction(3, 4) + t_error
+        smallest_value = self.level - (self.slope >> SLOPE_BITS) - 1
+        return (interpolation_error + rounding_error) / smallest_value
 
 
-def _nodal(t: Fraction) -> Fraction:
+def _node_product(t: Fraction) -> Fraction:
     return (t - NODES[0]) * (t - NODES[1]) * (t - NODES[2])
 
 
-def _divided(points: list[tuple[Fraction, Fraction]]) -> Fraction:
-    """The divided difference of all points."""
+def _divided_difference(points: list[tuple[Fraction, Fraction]]) -> Fraction:
+    """Return Newton's divided difference of all points (argument, value)."""
     if len(points) == 1:
         return points[0][1]
-    return (_divided(points[1:]) - _divided(points[:-1])) / (points[-1][0] - points[0][0])
+    return (_divided_difference(points[1:]) - _divided_difference(points[:-1])) / (points[-1][0] - points[0][0])
 
 
-def over(m: Fraction) -> Fraction:
-    """OVER/m."""
-    return OVER / m
+def scaled_reciprocal(d: Fraction) -> Fraction:
+    """Return RECIPROCAL_NUMERATOR/d."""
+    return RECIPROCAL_NUMERATOR / d
 
 
-def rise(y: Fraction) -> Fraction:
-    """H for 0 < y < 1, from below: within 2^-40 of itself."""
+def curve_h(y: Fraction) -> Fraction:
+    """Return a number within 2^-40 of H(y), and not above it, for 0 < y < 1."""
     return 4 * logarithm((2 - y) / y)[0] / ((1 - y) * y * (2 - y))
 
 
-def _row(curve: Curve, begin: Fraction, length: Fraction) -> Row:
+def _interpolate(curve: Curve, begin: Fraction, length: Fraction) -> QuadraticPiece:
+    """Interpolate a falling curve on [begin, begin + length] at NODES, with a level of 16 bits."""
     values = [(t, curve(begin + length * t)) for t in NODES]
-    second = _divided(values)
-    first = _divided(values[:2]) - second * (NODES[0] + NODES[1])
+    second = _divided_difference(values)
+    first = _divided_difference(values[:2]) - second * (NODES[0] + NODES[1])
     start = values[0][1] - first * NODES[0] - second * NODES[0] ** 2
-    places = (start.numerator // start.denominator).bit_length() - 16 if start >= 1 else -64
-    while start / Fraction(2) ** places > LEVEL - Fraction(1, 2):
-        places += 1
-    while start / Fraction(2) ** places < LEVEL / 2 - 1:
-        places -= 1
-    unit = Fraction(2) ** places
+    shift = (start.numerator // start.denominator).bit_length() - 16 if start >= 1 else -64
+    while start / Fraction(2) ** shift > LEVEL_LIMIT - Fraction(1, 2):
+        shift += 1
+    while start / Fraction(2) ** shift < LEVEL_LIMIT / 2 - 1:
+        shift -= 1
+    unit = Fraction(2) ** shift
     level, slope, bend = round(start / unit - Fraction(1, 4)), -first * 2**SLOPE_BITS / unit, second * 2**SLOPE_BITS / unit
-    return Row(begin=begin, length=length, level=level, slope=round(slope), bend=round(bend), places=places)
+    return QuadraticPiece(begin=begin, length=length, level=level, slope=round(slope), bend=round(bend), shift=shift)
 
 
 @cache
-def over_rows() -> tuple[Row, ...]:
-    """Of 1/d, by the OVER_BITS bits after the first."""
-    length = Fraction(2) ** (30 - OVER_BITS)
-    return tuple(_row(over, 2**30 + k * length, length) for k in range(1 << OVER_BITS))
+def reciprocal_pieces() -> tuple[QuadraticPiece, ...]:
+    """Return the pieces of `scaled_reciprocal` on [2^30, 2^31), by the RECIPROCAL_PIECE_BITS bits after the first."""
+    length = Fraction(2) ** (30 - RECIPROCAL_PIECE_BITS)
+    return tuple(_interpolate(scaled_reciprocal, 2**30 + k * length, length) for k in range(1 << RECIPROCAL_PIECE_BITS))
 
 
 @cache
-def rise_rows(octaves: int) -> tuple[Row, ...]:
-    """Of H at y in [2^-m, 2^(1 - m)), m = 1 .. octaves."""
-    found = []
+def h_pieces(octaves: int) -> tuple[QuadraticPiece, ...]:
+    """Return the pieces of H for y in [2^-m, 2^(1 - m)), m = 1 .. octaves."""
+    pieces = []
     for m in range(1, octaves + 1):
-        length = Fraction(1, 1 << (m + RISE_BITS))
-        found += [_row(rise, Fraction(1, 1 << m) + k * length, length) for k in range(1 << RISE_BITS)]
-    return tuple(found)
+        length = Fraction(1, 1 << (m + H_PIECE_BITS))
+        pieces += [_interpolate(curve_h, Fraction(1, 1 << m) + k * length, length) for k in range(1 << H_PIECE_BITS)]
+    return tuple(pieces)
 
 
 @cache
-def relative_error(octaves: int) -> tuple[Fraction, Fraction]:
-    """Of 1/d and of H as the rows give them."""
-    return max(r.error(over) for r in over_rows()), max(r.error(rise) for r in rise_rows(octaves))
+def relative_errors(octaves: int) -> tuple[Fraction, Fraction]:
+    """Bound the relative errors of 1/d and of H, as the pieces give them, for y down to 2^-octaves."""
+    reciprocal_error = max(piece.relative_error(scaled_reciprocal) for piece in reciprocal_pieces())
+    return reciprocal_error, max(piece.relative_error(curve_h) for piece in h_pieces(octaves))

@@ -1,41 +1,59 @@
-"""A refined design as a program of integers."""
+"""The program of a refined controller in integers, for `emit.scalar = "fixed"`. pipeline.py calls `fixed_program`."""
 
 from __future__ import annotations
 
-from stt_codegen.controller.covered_starts import starts_of
-from stt_codegen.controller.integers.constants import law_of, law_tables, narrow_of, narrowest, table
-from stt_codegen.controller.integers.frame import Frame
-from stt_codegen.controller.integers.inertial_integer_frame import Filter, InertialFrame
-from stt_codegen.controller.integers.integer_errors import require_right
-from stt_codegen.controller.integers.integer_kernels import clock_of, curve_kernel, push_kernel, rate_of, segment_kernel
+from stt_codegen.controller.covered_starts import compute_covered_starts
+from stt_codegen.controller.integers.constants import (
+    build_integer_law,
+    build_law_tables,
+    integer_table,
+    law_width,
+    smallest_widths,
+)
+from stt_codegen.controller.integers.frame import IntegerController
+from stt_codegen.controller.integers.inertial_integer_frame import InertialIntegerController, IntegerLambdaFilter
+from stt_codegen.controller.integers.integer_errors import require_accurate_law
+from stt_codegen.controller.integers.integer_kernels import (
+    build_curve_kernel,
+    build_integer_segment_kernel,
+    build_push_kernel,
+    choose_clock,
+    choose_rate_scale,
+)
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.program import Program, Table
 from stt_codegen.task import Task
 
-STEP_BITS = 15  # a step from one control point to the next is within so many bits
+STEP_BITS = 15  # a step from one control point to the next is within so many bits, without its sign
 
 
 def fixed_program(task: Task, design: RefinedDesign) -> Program:
-    """`tube`, `control` and `margin` at a tick. Raises `BadInput` for what has no such program."""
-    n, period = design.dimension, task.emit.tick_period
-    assert period is not None  # task/checks/field_checks.py
-    steps = int(abs(design.integers()[1:] - design.integers()[:-1]).max())
-    if steps >= 1 << STEP_BITS:
-        told = f"a step of {steps} units is beyond the {STEP_BITS} bits that integers have"
-        raise BadInput(f"tube.segments: {told}; use more segments")
-    segment, narrow = segment_kernel(clock_of(design, period), design), narrow_of(narrowest(design)[0] / design.unit)
-    require_right(task, design)
-    frame: Frame = Frame(n, segment, law_of(task, design), narrow)
+    """Build all that is emitted in integers for a refined design: `tube`, `control`, `margin`, `margins` and `covered` at a tick.
+
+    Raises `BadInput` where 32 bits do not hold the tube or the law, or are not accurate enough."""
+    tick_period = task.emit.tick_period
+    assert tick_period is not None  # task/checks/field_checks.py
+    largest_step = int(abs(design.integers()[1:] - design.integers()[:-1]).max())
+    if largest_step >= 1 << STEP_BITS:
+        problem = f"a step of {largest_step} units is beyond the {STEP_BITS} bits that integers have"
+        raise BadInput(f"tube.segments: {problem}; use more segments")
+    segment = build_integer_segment_kernel(choose_clock(design, tick_period), design)
+    require_accurate_law(task, design)
+    n, law = design.dimension, build_integer_law(task, design)
+    smallest_width = law_width(smallest_widths(design)[0] / design.unit)
+    controller = IntegerController(n, segment, law, smallest_width)
     if design.filter:
-        frame = InertialFrame(n, segment, frame.law, narrow, rate_of(design), Filter.of(design.filter))
-    kernels = (*frame.of_time, frame.edge, curve_kernel(), push_kernel())
-    starts = starts_of(task, design).tables("fixed", design.unit)
-    tables = (*_tube_tables(design), *frame.tables, *law_tables(frame.law), *starts)
-    return Program(task.name, n, "fixed", tables, kernels, functions=frame.functions(task), tick=period)
+        rate_scale, lambda_filter = choose_rate_scale(design), IntegerLambdaFilter.of(design.filter)
+        controller = InertialIntegerController(n, segment, law, smallest_width, rate_scale=rate_scale, filter=lambda_filter)
+    kernels = (*controller.time_kernels, controller.edge_kernel, build_curve_kernel(), build_push_kernel())
+    start_tables = compute_covered_starts(task, design).tables("fixed", design.unit)
+    tables = (_build_coefficient_table(design), *controller.tables, *build_law_tables(law), *start_tables)
+    return Program(task.name, n, "fixed", tables, kernels, functions=controller.functions(task), tick=tick_period)
 
 
-def _tube_tables(design: RefinedDesign) -> tuple[Table, ...]:
+def _build_coefficient_table(design: RefinedDesign) -> Table:
+    """Build the table of control points, in units of x; a row has the lower and the upper edge of each dimension."""
     entries = tuple(v for row in design.table for pair in row for v in pair)
     doc = f"B-spline control points divided by 6, in 2^-{design.bits}, a row for each of {design.segments} + 3 points."
-    return (table("coefficients", entries, 2 * design.dimension, doc),)
+    return integer_table("coefficients", entries, 2 * design.dimension, doc)

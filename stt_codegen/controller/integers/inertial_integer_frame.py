@@ -1,5 +1,8 @@
-"""The frames of order 2 in integers: v + lambda x is held in the filtered tube, from the distances of ../inertial_frame.py.
-v counts the units of x a second.
+"""The functions of a controller in integers for plants of order 2: v + lambda x is kept in the filtered tube.
+
+The distances are those of ../inertial_frame.py. v counts the units of x a second. fixed_program.py calls
+`InertialIntegerController.functions`. Functions named `write_..` append statements to a block of a Program and return the
+variables that hold the results. Strings that they pass are names in emitted code.
 """
 
 from __future__ import annotations
@@ -10,126 +13,137 @@ from fractions import Fraction
 from typing import ClassVar
 
 from stt_codegen.controller.comments import axes_doc, inward_doc
-from stt_codegen.controller.covered_starts import NAMES, between_bounds
-from stt_codegen.controller.integers.constants import table
+from stt_codegen.controller.covered_starts import BOUND_TABLES, write_is_between_bounds
+from stt_codegen.controller.integers.constants import integer_table
 from stt_codegen.controller.integers.frame import (
-    FARTHEST,
     HALF_MARGIN,
+    LARGEST_STATE,
     MARGIN_BITS,
-    Frame,
-    State,
-    between,
-    held_within,
-    sides,
-    ticks_doc,
+    Distances,
+    IntegerController,
+    StateDistances,
+    edge_params,
+    tick_doc,
+    write_clamped_component,
+    write_distances_of,
 )
-from stt_codegen.controller.integers.integer_kernels import Rate, moving_edge_kernel, rates_kernel
+from stt_codegen.controller.integers.integer_kernels import RateScale, build_edge_and_rate_kernel, build_rate_weights_kernel
 from stt_codegen.decimals import by_component
 from stt_codegen.errors import BadInput
 from stt_codegen.program import INT, Block, Function, Kernel, Load, Operand, Table, Var, integer
 from stt_codegen.task import Task
 
+LARGEST_POSITION = LARGEST_STATE >> 2  # units: lambda, below 4, times it is then at most LARGEST_STATE
+
 
 @dataclass(frozen=True)
-class Filter:
-    """lambda by component: whole numbers of 2^-bits; all below 2^16."""
+class IntegerLambdaFilter:
+    """lambda of v + lambda x by component, in 1/s: multiples of 2^-bits, which are numbers of 16 bits."""
 
     values: tuple[Fraction, ...]
     bits: int
 
     @classmethod
-    def of(cls, values: tuple[Fraction, ...]) -> Filter:
-        """Raises `BadInput` for a lambda that is not exact in 16 bits, or is too large."""
+    def of(cls, values: tuple[Fraction, ...]) -> IntegerLambdaFilter:
+        """Choose the bits. Raises `BadInput` for a lambda that is not exact in 16 bits, or is 4 or more."""
         bits = 16 - max(0, *(math.frexp(float(v))[1] for v in values))
         if bits < 14 or any((v * 2**bits).denominator > 1 for v in values):
             raise BadInput(f"tube.filter: is {by_component(values)}; in integers it must be below 4, and of 16 bits")
         return cls(values, bits)
 
     @property
-    def whole(self) -> tuple[int, ...]:
-        return tuple(int(v * 2**self.bits) for v in self.values)
-
-    @property
     def table(self) -> Table:
-        return table("filters", self.whole, len(self.values), f"lambda by component, in 2^-{self.bits}.")
+        """The values in 2^-bits."""
+        multiples = tuple(int(v * 2**self.bits) for v in self.values)
+        return integer_table("filters", multiples, len(multiples), f"lambda by component, in 2^-{self.bits}.")
 
-    def times(self, block: Block, name: str, value: Var, whole: Operand) -> Var:
-        """Statements for lambda times a distance, rounded down."""
-        moved = value if self.bits == 16 else block.op(f"{name}_more", "imul", value, integer(1 << (16 - self.bits)))
-        return block.op(name, "upper", moved, whole)
+    def write_component(self, block: Block, i: Operand) -> Var:
+        """Write statements for lambda of component i, in 2^-bits."""
+        return block.let("filter_i", Load("filters", i, INT))
+
+    def write_product(self, block: Block, name: str, value: Var, lambda_: Operand) -> Var:
+        """Write statements for lambda times a value, rounded down; lambda in 2^-bits."""
+        shifted = value if self.bits == 16 else block.op(f"{name}_more", "imul", value, integer(1 << (16 - self.bits)))
+        return block.op(name, "upper", shifted, lambda_)
 
 
 @dataclass(frozen=True)
-class InertialFrame(Frame):
-    """For a plant of order 2: the law goes by v + lambda x in the filtered tube, as in controller/inertial_frame.py."""
+class InertialIntegerController(IntegerController):
+    """Builds the functions of a controller in integers, for order 2: the law is about v + lambda x in the filtered tube.
 
-    rate: Rate
-    filter: Filter
+    What it overrides is described in IntegerController."""
 
-    vectors: ClassVar[tuple[str, ...]] = ("x", "v")
+    rate_scale: RateScale
+    filter: IntegerLambdaFilter
+
+    state_names: ClassVar[tuple[str, ...]] = ("x", "v")
 
     @property
     def tables(self) -> tuple[Table, ...]:  # type: ignore[override]
         return (self.filter.table,)
 
     @property
-    def of_time(self) -> tuple[Kernel, ...]:
-        return (*super().of_time, rates_kernel(self.rate))
+    def time_kernels(self) -> tuple[Kernel, ...]:
+        return (*super().time_kernels, build_rate_weights_kernel(self.rate_scale))
 
     @property
-    def edge(self) -> Kernel:
-        return moving_edge_kernel(self.n, self.rate)
+    def edge_kernel(self) -> Kernel:
+        return build_edge_and_rate_kernel(self.n, self.rate_scale)
 
     def functions(self, task: Task) -> tuple[Function, ...]:
-        return self.tube(), self.filtered_tube(), self.control(task), self.margin(), self.margins(), self.covered(task)
+        tube, *later_functions = super().functions(task)
+        return (tube, self.build_filtered_tube(), *later_functions)
 
-    def apart(self, block: Block, i: Var, edges: tuple[tuple[Var, ...], ...]) -> tuple[State, State]:
+    def write_distances(self, block: Block, i: Var, edges: tuple[tuple[Var, ...], ...]) -> StateDistances:
         (lower, lower_rate), (upper, upper_rate) = edges
-        place = between(block, "x", i, lower, upper, FARTHEST >> 2)
-        speed = between(block, "v", i, lower_rate, upper_rate, FARTHEST)
-        whole = block.let("filter_i", Load("filters", i, INT))
+        of_x = write_distances_of(block, "x", i, (lower, upper), LARGEST_POSITION)
+        of_v = write_distances_of(block, "v", i, (lower_rate, upper_rate), LARGEST_STATE)
+        lambda_ = self.filter.write_component(block, i)
         to_lower, to_upper = (
-            block.op(f"to_{side}", "iadd", v, self.filter.times(block, f"{side}_filtered", x, whole))
-            for side, v, x in zip(("lower", "upper"), speed, place, strict=True)
+            block.op(f"to_{side}", "iadd", v, self.filter.write_product(block, f"{side}_filtered", x, lambda_))
+            for side, v, x in zip(("lower", "upper"), of_v, of_x, strict=True)
         )
-        return (to_lower, to_upper), place
+        return StateDistances(Distances(to_lower, to_upper), of_x)
 
-    def covered_component(self, block: Block, i: Var) -> Var:
-        x, v = (held_within(block, name, i, farthest) for name, farthest in (("x", FARTHEST >> 2), ("v", FARTHEST)))
-        filtered = self.filter.times(block, "filtered", x, block.let("filter_i", Load("filters", i, INT)))
-        z = block.op("z", "iadd", v, filtered)
-        places, sums = (between_bounds(block, value, i, names) for value, names in ((x, NAMES[:2]), (z, NAMES[2:])))
-        return block.op("inside", "and", places, sums)
+    def write_is_covered(self, block: Block, i: Var) -> Var:
+        x = write_clamped_component(block, "x", i, LARGEST_POSITION)
+        v = write_clamped_component(block, "v", i, LARGEST_STATE)
+        z = block.op("z", "iadd", v, self.filter.write_product(block, "filtered", x, self.filter.write_component(block, i)))
+        is_x_covered = write_is_between_bounds(block, x, i, BOUND_TABLES[:2])
+        is_z_covered = write_is_between_bounds(block, z, i, BOUND_TABLES[2:])
+        return block.op("inside", "and", is_x_covered, is_z_covered)
 
-    def inside(self, block: Block, off: Var, room: Var, states: tuple[State, State]) -> Var:
-        x_lower, x_upper = states[1]
-        own = super().inside(block, off, room, states)
-        over, under = (block.op(name, "ilt", integer(0), v) for name, v in (("over", x_lower), ("under", x_upper)))
-        return block.op("inside", "and", own, block.op("between", "and", over, under))
+    def write_is_inside(self, block: Block, offset: Var, width: Var, distances: StateDistances) -> Var:
+        is_z_inside = super().write_is_inside(block, offset, width, distances)
+        is_above = block.op("over", "ilt", integer(0), distances.of_x.to_lower)
+        is_below = block.op("under", "ilt", integer(0), distances.of_x.to_upper)
+        return block.op("inside", "and", is_z_inside, block.op("between", "and", is_above, is_below))
 
-    def filtered_tube(self) -> Function:
+    def build_filtered_tube(self) -> Function:
+        """Build `filtered_tube`: the edges of the filtered tube (n,) at a tick, in units of x per second."""
         block = Block({"tick", "lower", "upper"})
-        row, weights = self.begun(block)
+        row, weights = self.write_weights(block)
         with block.loop("i", self.n) as loop:
-            whole = block.let("filter_i", Load("filters", loop.index, INT))
-            edges = self.edges(block, row, loop.index, weights)
-            for name, (place, rate) in zip(("lower", "upper"), edges, strict=True):
-                held = self.filter.times(block, f"{name}_filtered", place, whole)
-                block.store(name, loop.index, block.op(f"{name}_z", "iadd", rate, held))
+            lambda_ = self.filter.write_component(block, loop.index)
+            edges_and_rates = self.write_edges(block, row, loop.index, weights)
+            for name, (edge, rate) in zip(("lower", "upper"), edges_and_rates, strict=True):
+                product = self.filter.write_product(block, f"{name}_filtered", edge, lambda_)
+                block.store(name, loop.index, block.op(f"{name}_z", "iadd", rate, product))
         block.leave()
         doc = (
             "Edges of the filtered tube at a tick, in units a second: of v + lambda x,",
             f"lambda = {by_component(self.filter.values)}.",
             "While v + lambda x is between them, x stays in the tube.",
         )
-        return Function("filtered_tube", sides(self.n), tuple(block.statements), False, doc)
+        return Function("filtered_tube", edge_params(self.n), tuple(block.statements), returns_status=False, doc=doc)
 
     def control_doc(self, task: Task) -> tuple[str, ...]:
-        first = super().control_doc(task)[0]
+        """Return the comment of `control`, in lines."""
+        law_line = super().control_doc(task)[0]
         return (
-            first.removesuffix(".") + ",",
+            law_line.removesuffix(".") + ",",
             f"for v + lambda x in its tube, lambda = {by_component(self.filter.values)}.",
-            ticks_doc(task),
+            tick_doc(task),
             "x: state; v: its rate; u: input.",
             *axes_doc(task),
             "OK: x strictly inside the tube, and v + lambda x inside its own. OUTSIDE_TUBE: not so; u is the clamped law and",

@@ -1,13 +1,18 @@
-"""What a controller in integers is wrong by: its edges (P7), and its law against (13). In exact numbers, from the kernels.
+"""Exact bounds on the errors of a controller in integers, from its kernels: of its edges (P7), and of its law against (13).
 
-*Edges.* Time: the place of a tick is late by what the length of a tick and its sum are rounded by, and by what s leaves out.
-Weights: there are 2^16 of s, so all are tried. A step times its weight is exact, and two sums of these are rounded down.
+*Edges.* The position of a tick is wrong by the roundings of the length of a tick and of its multiple, and by the bits that s
+lacks. s has 2^16 values, so the errors of the weights are computed for all of them. A step times its weight is exact, and two
+sums of these products are rounded down.
 
-*Law.* |u| = k/d |e| H(1 - |e|). Let 1/d come out as (1 + a)/d, |a| <= A, and H as (1 + b) H, |b| <= B (curves.py). Then e and y
-come out with 1 + a too, rounded down to 2^-30. Since 0 <= -y H'/H <= 3/2 (with H = 8 (atanh(e)/e)/(1 - e^2), (1 - e) times the
-slope of the logarithm of 1/(1 - e^2) is 2 e/(1 + e) <= 1, and of atanh(e)/e at most e/(1 + e) <= 1/2), all powers of 1 + a are
-from 1/2 to 2 together. The gain's mantissa has 16 bits. The three products of `push` are rounded down, each by less than a unit
-of a size that is at least |e| 2^26, which is less than 64 units of e's 2^-30; the last shift by less than a unit of u.
+*Law.* |u| = k/d |e| H(1 - |e|). Let the computed 1/d be (1 + a)/d with |a| <= A, and the computed H be (1 + b) H with |b| <= B
+(curves.py). Then e and y have the factor 1 + a too, and are rounded down to 2^-30. 0 <= -y H'/H <= 3/2, for H = 8
+(atanh(e)/e)/(1 - e^2): (1 - e) times the slope of the logarithm of 1/(1 - e^2) is 2 e/(1 + e) <= 1, and of atanh(e)/e it is at
+most e/(1 + e) <= 1/2. So the total power of 1 + a is from 1/2 to 2. The gain's mantissa has 16 bits. The three products of
+`push` are rounded down, each by less than a unit of a product that is at least |e| 2^26; that is less than 64 units of 2^-30 of
+e. The last shift rounds down by less than a unit of u.
+
+fixed_program.py refuses a law that is not accurate enough by `require_accurate_law`; ../edge_errors.py returns the bounds of
+edges.
 """
 
 from __future__ import annotations
@@ -21,17 +26,23 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.controller.integers import curves
-from stt_codegen.controller.integers.constants import LOOSE, FixedLaw, law_of, narrow_of, narrowest
+from stt_codegen.controller.integers.constants import (
+    RECIPROCAL_ERROR_LIMIT,
+    IntegerLaw,
+    build_integer_law,
+    law_width,
+    smallest_widths,
+)
 from stt_codegen.controller.integers.integer_kernels import (
-    BEND_BITS,
     HALF_WORD,
-    WEIGHT_BITS,
-    Clock,
-    Rate,
-    clock_of,
-    rate_of,
-    rates_kernel,
-    weights_kernel,
+    MIDDLE_WEIGHT_BITS,
+    OUTER_WEIGHT_BITS,
+    RateScale,
+    TickClock,
+    build_rate_weights_kernel,
+    build_weights_kernel,
+    choose_clock,
+    choose_rate_scale,
 )
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered_edges
@@ -42,139 +53,158 @@ from stt_codegen.sampling import ROUNDING
 from stt_codegen.task import Task
 
 Integers = npt.NDArray[np.int64]
-LEAST_Y = 1 << 14  # units of 2^-30: y is rounded down by one of them, which then counts for little
+SMALLEST_Y_LIMIT = 1 << 14  # units of 2^-30: `smallest_y` is not below, so that y, rounded down by a unit, keeps its accuracy
 
 
-def late(clock: Clock) -> Fraction:
-    """By how many segments the place of a tick may be wrong: a tick's length is rounded, its sum cut off, the end held a unit
-    before t_c, and s is cut off."""
+def segment_position_error(clock: TickClock) -> Fraction:
+    """Bound the error of a tick's position, in segments.
+
+    The length of a tick is rounded, its multiple is cut off, the end is held a unit before t_c, and s is cut off."""
     unit = Fraction(1, 1 << clock.bits)
-    return unit * clock.last / HALF_WORD / 2 + 2 * unit + (Fraction(1, HALF_WORD) if clock.bits > 16 else 0)
+    s_error = Fraction(1, HALF_WORD) if clock.bits > 16 else 0
+    return unit * clock.end_tick / HALF_WORD / 2 + 2 * unit + s_error
 
 
-def at_all(kernel: Kernel, inputs: Mapping[str, Integers]) -> tuple[Integers, ...]:
-    """The outputs of a kernel of integers without tables, for arrays of inputs; nothing may leave 63 bits."""
-    known: dict[str, Any] = dict(inputs)
+def evaluate_kernel(kernel: Kernel, inputs: Mapping[str, Integers]) -> tuple[Integers, ...]:
+    """Evaluate a kernel of integers without tables at arrays of inputs; its values must fit 63 bits."""
+    values: dict[str, Any] = dict(inputs)
 
-    def value(operand: Operand) -> Any:
-        return np.int64(operand.value) if isinstance(operand, Const) else known[operand.name]  # type: ignore[arg-type]
+    def value_of(operand: Operand) -> Any:
+        return np.int64(operand.value) if isinstance(operand, Const) else values[operand.name]  # type: ignore[arg-type]
 
     for assign in kernel.body:
         match assign.value:
             case Op(name="int", args=(count,)):
-                known[assign.var.name] = value(count)
+                values[assign.var.name] = value_of(count)
             case Op(name=name, args=args):
-                known[assign.var.name] = OPERATIONS[name].number(*map(value, args))
-            case Select(condition=c, then=then, otherwise=otherwise):
-                known[assign.var.name] = np.where(value(c), value(then), value(otherwise))
+                values[assign.var.name] = OPERATIONS[name].number(*map(value_of, args))
+            case Select() as choice:
+                condition, then = value_of(choice.condition), value_of(choice.then)
+                values[assign.var.name] = np.where(condition, then, value_of(choice.otherwise))
             case _:
                 raise NotImplementedError(f"{kernel.name}: {type(assign.value).__name__}")
-    return tuple(value(o) for o in kernel.outputs)
+    return tuple(value_of(output) for output in kernel.outputs)
 
 
 @cache
 def weight_errors() -> tuple[Fraction, Fraction]:
-    """The largest error of the two outer weights together, and of the middle one, over all s: exactly."""
+    """Return the largest sum of the errors of the two outer weights, and the largest error of the middle one, over all s."""
     s = np.arange(HALF_WORD, dtype=np.int64)
-    before, middle, after = at_all(weights_kernel(), {"s": s})
-    one = HALF_WORD
-    cubes = 48 - WEIGHT_BITS
-    outer = np.abs((before << cubes) - (one - s) ** 3) + np.abs((after << cubes) - s**3)
-    inner = np.abs((middle << 48 - BEND_BITS) - (3 * s * one * one + 3 * s * s * one - 2 * s**3))
-    return Fraction(int(outer.max()), 1 << 48), Fraction(int(inner.max()), 1 << 48)
+    before, middle, after = evaluate_kernel(build_weights_kernel(), {"s": s})
+    s_one = HALF_WORD
+    outer_shift, middle_shift = 48 - OUTER_WEIGHT_BITS, 48 - MIDDLE_WEIGHT_BITS  # to units of 2^-48, those of a cube of s
+    outer_errors = np.abs((before << outer_shift) - (s_one - s) ** 3) + np.abs((after << outer_shift) - s**3)
+    middle_errors = np.abs((middle << middle_shift) - (3 * s * s_one * s_one + 3 * s * s * s_one - 2 * s**3))
+    return Fraction(int(outer_errors.max()), 1 << 48), Fraction(int(middle_errors.max()), 1 << 48)
 
 
 def edge_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:
-    """By dimension, a bound on |edge at a tick - gamma(t)|, in the task's units: for a tick of `period` seconds."""
-    step = np.abs(np.diff(design.integers(), axis=0)).max(axis=(0, 2))
-    slope = 3 * design.largest_steps().max(axis=0)
-    moved, weights = late(clock_of(design, period)), sum(weight_errors(), Fraction(0))
-    return tuple((int(v) * moved + int(d) * weights + 2) * design.unit for v, d in zip(slope, step, strict=True))
+    """Bound |edge at a tick - gamma(t)| by dimension, in the task's units, for a tick of `period` seconds."""
+    largest_steps = np.abs(np.diff(design.integers(), axis=0)).max(axis=(0, 2))
+    steepest_slopes = 3 * design.largest_steps().max(axis=0)  # per segment
+    position_error = segment_position_error(choose_clock(design, period))
+    weight_error = sum(weight_errors(), Fraction(0))
+    slopes_and_steps = zip(steepest_slopes, largest_steps, strict=True)
+    # 2 more units: two sums of products are rounded down
+    return tuple((int(slope) * position_error + int(step) * weight_error + 2) * design.unit for slope, step in slopes_and_steps)
 
 
 @cache
-def rate_weight_error(rate: Rate, per_second: Fraction) -> Fraction:
-    """The largest sum of the errors of the three weights of a rate, in steps a second, over all s: exactly."""
+def rate_weight_error(rate_scale: RateScale, segments_per_second: Fraction) -> Fraction:
+    """Return the largest sum of the errors of the three weights of a rate, in steps a second, over all s."""
     s = np.arange(HALF_WORD, dtype=np.int64)
-    found = at_all(rates_kernel(rate), {"s": s})
-    one, s = HALF_WORD, s.astype(object)
-    true = (3 * (one - s) ** 2, 3 * one**2 + 6 * s * (one - s), 3 * s**2)
-    a, b = per_second.numerator << rate.places, per_second.denominator << 32
-    wrong = sum(abs(w.astype(object) * b - t * a) for w, t in zip(found, true, strict=True))
-    return Fraction(int(wrong.max()), b << rate.places)
+    weights = evaluate_kernel(build_rate_weights_kernel(rate_scale), {"s": s})
+    s_one, s = HALF_WORD, s.astype(object)
+    exact = (3 * (s_one - s) ** 2, 3 * s_one**2 + 6 * s * (s_one - s), 3 * s**2)  # in 2^-32, per segment
+    to_weight_bits = segments_per_second.numerator << rate_scale.weight_bits
+    denominator = segments_per_second.denominator << 32
+    pairs = zip(weights, exact, strict=True)
+    errors = sum(abs(w.astype(object) * denominator - v * to_weight_bits) for w, v in pairs)
+    return Fraction(int(errors.max()), denominator << rate_scale.weight_bits)
 
 
 def rate_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:
-    """By dimension, a bound on |rate at a tick - gammadot(t)|, in units per second; it has two units more, for a v that is
-    rounded to its units and a product with lambda that is rounded down."""
-    per_second = Fraction(design.segments) / design.prescribed_time
-    step = np.abs(np.diff(design.integers(), axis=0)).max(axis=(0, 2))
-    bend = 6 * np.abs(np.diff(design.bezier(), n=2, axis=3)).max(axis=(0, 2, 3))
-    weights = rate_weight_error(rate_of(design), per_second)
-    moved = late(clock_of(design, period)) * per_second
-    return tuple((int(v) * moved + int(d) * weights + 4) * design.unit for v, d in zip(bend, step, strict=True))
+    """Bound |rate at a tick - gammadot(t)| by dimension, in units per second, for a tick of `period` seconds.
+
+    The bound has two units more: for a v that is rounded to its units, and a product with lambda that is rounded down."""
+    segments_per_second = Fraction(design.segments) / design.prescribed_time
+    largest_steps = np.abs(np.diff(design.integers(), axis=0)).max(axis=(0, 2))
+    largest_bends = 6 * np.abs(np.diff(design.bezier(), n=2, axis=3)).max(axis=(0, 2, 3))  # per segment squared
+    weight_error = rate_weight_error(choose_rate_scale(design), segments_per_second)
+    position_error = segment_position_error(choose_clock(design, period)) * segments_per_second
+    bends_and_steps = zip(largest_bends, largest_steps, strict=True)
+    return tuple((int(bend) * position_error + int(step) * weight_error + 4) * design.unit for bend, step in bends_and_steps)
 
 
-def widest(task: Task, design: RefinedDesign) -> Fraction:
-    """The largest width of the emitted tube that the law goes by, in the task's units, of order 2 a second."""
+def largest_law_width(task: Task, design: RefinedDesign) -> Fraction:
+    """Bound the width of the emitted tube that the law is about, in the task's units.
+
+    For order 2 that is the filtered tube, in units per second."""
     if not design.filter:
         table = design.integers()
-        return 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).max()) * design.unit + widths_wrong(task, design)[0]
+        return 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).max()) * design.unit + width_errors(task, design)[0]
     pieces = filtered_edges(design)
-    most = int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).max()) * pieces.unit
-    return most + widths_wrong(task, design)[1]
+    largest = int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).max()) * pieces.unit
+    return largest + width_errors(task, design)[1]
 
 
-def widths_wrong(task: Task, design: RefinedDesign) -> tuple[Fraction, Fraction]:
-    """By how much the arithmetic moves the width of the tube, in the task's units, and that of the one that the law goes by, of
-    order 2 a second."""
+def width_errors(task: Task, design: RefinedDesign) -> tuple[Fraction, Fraction]:
+    """Bound how far the arithmetic changes the width of the tube, in the task's units, and of the tube that the law is about.
+
+    For order 2 the latter is the filtered tube, in units per second."""
     assert task.emit.tick_period is not None  # task/checks/field_checks.py
-    edges = [2 * v for v in edge_error(design, task.emit.tick_period)]
+    errors = [2 * v for v in edge_error(design, task.emit.tick_period)]
     if not design.filter:
-        return max(edges), max(edges)
-    rates = [2 * v for v in rate_error(design, task.emit.tick_period)]
-    return max(edges), max(r + s * e for r, s, e in zip(rates, design.filter, edges, strict=True))
+        return max(errors), max(errors)
+    rate_errors = [2 * v for v in rate_error(design, task.emit.tick_period)]
+    return max(errors), max(r + lambda_ * e for r, lambda_, e in zip(rate_errors, design.filter, errors, strict=True))
 
 
-def require_right(task: Task, design: RefinedDesign) -> None:
-    """Raise `BadInput` where the law is wrong by more than the sampled statements allow for, or takes the tube to be wider than
-    it may be as it is emitted."""
-    law = law_of(task, design)
-    if law.lowest < LEAST_Y:
+def require_accurate_law(task: Task, design: RefinedDesign) -> None:
+    """Raise `BadInput` where the law's error is larger than the sampling conditions allow for.
+
+    The same where the emitted tube may be narrower than the law calculates with."""
+    law = build_integer_law(task, design)
+    if law.smallest_y < SMALLEST_Y_LIMIT:
         raise BadInput("control.e_max: is so near 1 that integers of 32 bits do not hold 1 - e_max; lower it")
-    for narrow, least in widths_held(task, design, law):
-        if narrow > least:
-            told = f"the tube is {decimal(max(least, Fraction(0)) * design.unit)} wide as it is emitted, and a law in integers"
-            needed = f"{told} needs {decimal(narrow * design.unit)} here"
-            raise BadInput(f'tube.min_width: {needed}; raise it, move the origin near the task, or use emit.scalar = "float"')
+    for assumed, emitted in assumed_and_emitted_widths(task, design, law):
+        if assumed > emitted:
+            width, needed = decimal(max(emitted, Fraction(0)) * design.unit), decimal(assumed * design.unit)
+            problem = f"the tube is {width} wide as it is emitted, and a law in integers needs {needed} here"
+            raise BadInput(f'tube.min_width: {problem}; raise it, move the origin near the task, or use emit.scalar = "float"')
     allowed = Fraction(ROUNDING["fixed", "libm"])
-    relative, in_eps = law_error(law, widest(task, design))
-    beyond = (1 + LOOSE) / (1 - Fraction(3, 2) * LOOSE) - 1  # the clamp acts later, for e and for y
-    if (1 + relative) * (1 + beyond) - 1 > allowed or in_eps > allowed:
+    relative_error, epsilon_error = law_error(law, largest_law_width(task, design))
+    # The clamps of e and y act beyond e_max, by the error of 1/width.
+    clamp_error = (1 + RECIPROCAL_ERROR_LIMIT) / (1 - Fraction(3, 2) * RECIPROCAL_ERROR_LIMIT) - 1
+    if (1 + relative_error) * (1 + clamp_error) - 1 > allowed or epsilon_error > allowed:
         raise BadInput(
             f"control.gain: {by_component(law.gain)} is so small beside u_max {by_component(law.u_max)} that integers of 32 bits "
             'lose u in the middle of the tube; raise it, lower u_max, or use emit.scalar = "float"'
         )
 
 
-def widths_held(task: Task, design: RefinedDesign, law: FixedLaw) -> list[tuple[int, Fraction]]:
-    """What the law takes the tube to be wide at least, and for order 2 what `margin` takes x's to be, each beside what the
-    emitted edges leave of it at least: whole numbers of units, and units."""
-    least = [(v - wrong) / design.unit for v, wrong in zip(narrowest(design), widths_wrong(task, design), strict=True)]
+def assumed_and_emitted_widths(task: Task, design: RefinedDesign, law: IntegerLaw) -> list[tuple[int, Fraction]]:
+    """Return pairs of the width that a function assumes at least, and the smallest width of the emitted tube, in units of x.
+
+    For order 1 the pair of the law; for order 2 that of `margin` for x, then that of the law for v + lambda x."""
+    widths = zip(smallest_widths(design), width_errors(task, design), strict=True)
+    emitted = [(width - error) / design.unit for width, error in widths]
     if not design.filter:
-        return [(law.narrow, least[0])]
-    return [(narrow_of(narrowest(design)[0] / design.unit), least[0]), (law.narrow, least[1])]
+        return [(law.smallest_width, emitted[0])]
+    return [(law_width(smallest_widths(design)[0] / design.unit), emitted[0]), (law.smallest_width, emitted[1])]
 
 
-def law_error(law: FixedLaw, widest: Fraction) -> tuple[Fraction, Fraction]:
-    """What |u| is wrong by against (13) on the edges as they are, where it is below u_max and |e| below e_max: relative, and in
-    eps. widest: of the tube, in the task's units."""
-    over, rise = curves.relative_error(law.octaves)
-    a = over + Fraction(1, 1 << 17)  # the curve's 2^46 is less by so much
-    assert a <= LOOSE  # on which the places of the clamps rest
-    cut = (1 + Fraction(1, law.lowest - 1)) ** 2  # y is rounded down by less than its unit, which raises H by that to 3/2 at most
-    relative = (1 + a) ** 2 * (1 + rise) * (1 + Fraction(1, 1 << 16)) * cut - 1
-    unit = Fraction(1, 1 << law.u_bits) if law.u_bits >= 0 else Fraction(1 << -law.u_bits)
-    in_eps = unit * widest / (4 * min(abs(k) for k in law.gain))  # xi is at least 4/d
-    steepest = logarithm((1 + law.e_max) / (1 - law.e_max))[1] / law.e_max  # eps/e, which rises with e
-    return relative, in_eps + 65 * steepest / 2**30
+def law_error(law: IntegerLaw, largest_width: Fraction) -> tuple[Fraction, Fraction]:
+    """Bound the error of |u| against (13) on the emitted edges, where |u| is below u_max and |e| below e_max.
+
+    The first bound is relative, the second one is an error of epsilon. largest_width: of the tube, in the task's units."""
+    reciprocal_error, h_error = curves.relative_errors(law.octaves)
+    a = reciprocal_error + Fraction(1, 1 << 17)  # RECIPROCAL_NUMERATOR is less than 2^46 by so much
+    assert a <= RECIPROCAL_ERROR_LIMIT  # the clamps of e and y are placed for this limit
+    # y is rounded down by less than a unit, which raises H by at most the power 3/2 of the ratio
+    y_rounding = (1 + Fraction(1, law.smallest_y - 1)) ** 2
+    relative_error = (1 + a) ** 2 * (1 + h_error) * (1 + Fraction(1, 1 << 16)) * y_rounding - 1
+    u_unit = Fraction(1, 1 << law.u_bits) if law.u_bits >= 0 else Fraction(1 << -law.u_bits)
+    shift_error = u_unit * largest_width / (4 * min(abs(k) for k in law.gain))  # xi is at least 4/d
+    steepest = logarithm((1 + law.e_max) / (1 - law.e_max))[1] / law.e_max  # epsilon/e, which rises with e
+    return relative_error, shift_error + 65 * steepest / 2**30

@@ -1,17 +1,23 @@
 """The kernels of a controller in integers: straight lines of shifts, sums and products of 16 bits.
 
-    segment   tick -> row of the table, and the place s in the segment, in 2^-16 of it
-    weights   of a cubic B-spline at s, for the steps of its control points; rates, of its rate of change, for order 2
-    edge      of the tube: a control point, and the steps about it by their weights; for order 2 with its rate
-    curve     a function of a number that begins with a 1, by a table of quadratics
+    segment   tick -> row of the table, and the position s in the segment, in 2^-16 of it
+    weights   of a cubic B-spline at s, for the steps between its control points
+    rates     weights of the same steps for the rate of an edge, for order 2
+    edge      an edge of the tube: a control point and the weighted steps about it; for order 2 with its rate
+    curve     1/d or H at a number whose first bit is shifted to 2^30, by a table of quadratics
     push      |u| by (13)
 
-With e the normalized error, held within e_max, and d the width, (13) is
+With e the normalized error, clamped to e_max, and d the width, (13) is
 
     |u| = k/d |e| H,    H = 8 atanh(e)/(e (1 - e^2)) = 4 ln((2 - y)/y)/((1 - y) y (2 - y)),    y = 1 - |e|.
 
-H is smooth and at least 8; so u has a relative error alone, about the middle too, where a logarithm of a quotient has an absolute
-one. 1/d and H come from quadratics (curves.py) by the bits after the first.
+H is smooth and at least 8. So u has a relative error only, in the middle of the tube too, where a logarithm of a quotient has an
+absolute error. 1/d and H come from quadratics (curves.py).
+
+frame.py calls these kernels; integer_errors.py bounds their errors. A number "in 2^-k" is an integer that counts units of 2^-k.
+Functions named `write_..` append statements to a block and return the variables that hold the results; strings that they pass
+are names in emitted code. Of the operations (program/operations.py), `upper` is a product over 2^16, rounded down; `product` is
+one of 16 by 16 bits; `ishl` and `ishr` shift up and down, the latter rounding down; `low` masks bits.
 """
 
 from __future__ import annotations
@@ -24,212 +30,246 @@ from functools import cache
 from itertools import pairwise
 
 from stt_codegen.controller.integers.curves import SLOPE_BITS
-from stt_codegen.controller.kernels import loaded
+from stt_codegen.controller.kernels import write_control_points
 from stt_codegen.designs import LOWER, RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.program import INT, TICK, Block, Const, Kernel, Load, Operand, Var, integer
 
-HALF_WORD = 1 << 16
-WEIGHT_BITS, BEND_BITS = 15, 14  # of the weights of the outer steps, at most 1, and of the middle one, less 1 and at most 4
-FINE = 28  # bits of powers of s, before they are rounded to weights
+HALF_WORD = 1 << 16  # numbers of 16 bits are below it
+OUTER_WEIGHT_BITS, MIDDLE_WEIGHT_BITS = 15, 14  # of the fractions of weights: the outer two are at most 1, the middle one 4
+POWER_BITS = 28  # of the fractions of powers of s, before they are rounded to weights
 
 
 @dataclass(frozen=True)
-class Clock:
-    """Of ticks in segments. scale: a tick, in 2^-(bits + 16) of a segment; last: the first tick that is not before t_c."""
+class TickClock:
+    """How ticks become segments: `scale` is a tick in 2^-(bits + 16) of a segment.
+
+    bits: of the fraction of time in segments. end_tick: the first tick that is not before t_c."""
 
     scale: int
     bits: int
-    last: int
+    end_tick: int
 
 
-def clock_of(design: RefinedDesign, period: Fraction) -> Clock:
-    """With the 16 bits that s has where the length of a tick is then right enough: a half word is no shift. Raises `BadInput`
-    where 32 bits do not hold the time of a mission."""
-    step, last = period * design.segments / design.prescribed_time, math.ceil(design.prescribed_time / period)
+def choose_clock(design: RefinedDesign, period: Fraction) -> TickClock:
+    """Choose the number of bits for ticks of `period` seconds: 16 where the length of a tick is then accurate enough.
+
+    s has 16 bits, and a shift by half a word costs nothing. Raises `BadInput` where 32 bits do not hold the time of a mission."""
+    tick_length = period * design.segments / design.prescribed_time  # segments
+    end_tick = math.ceil(design.prescribed_time / period)
     for bits in (16, *range(30 - design.segments.bit_length(), 16, -1)):
-        scale = step * 2 ** (bits + 16)
-        fits = last < 2**31 and scale < 2**31 and scale * (last / HALF_WORD + 1) < 2**31
-        if fits and last < 2 ** (bits - 2):
-            return Clock(round(scale), bits, last)
-    if step >= Fraction(1, 2):
+        scale = tick_length * 2 ** (bits + 16)
+        fits = end_tick < 2**31 and scale < 2**31 and scale * (end_tick / HALF_WORD + 1) < 2**31
+        is_accurate = end_tick < 2 ** (bits - 2)
+        if fits and is_accurate:
+            return TickClock(round(scale), bits, end_tick)
+    if tick_length >= Fraction(1, 2):
         half = design.prescribed_time / design.segments / 2
         raise BadInput(
             f"emit.tick_period: {float(period):g} s is not below half a segment of the tube, {float(half):g} s; use less"
         )
-    took = f"{float(period):g} s over {float(design.prescribed_time):g} s and {design.segments} segments"
-    raise BadInput(f"emit.tick_period: {took} makes integers beyond 31 bits; use a longer one")
+    cause = f"{float(period):g} s over {float(design.prescribed_time):g} s and {design.segments} segments"
+    raise BadInput(f"emit.tick_period: {cause} makes integers beyond 31 bits; use a longer one")
 
 
 def _kernel(name: str, inputs: tuple[Var, ...], block: Block, outputs: Mapping[str, Operand], *doc: str) -> Kernel:
+    """Build a kernel of the block's statements; outputs by name."""
     body = tuple(block.statements)
     return Kernel(name, inputs, body, tuple(outputs.values()), tuple(outputs), doc=doc)  # type: ignore[arg-type]
 
 
-def _ints(*names: str) -> tuple[Var, ...]:
+def _integer_variables(*names: str) -> tuple[Var, ...]:
     return tuple(Var(name, INT) for name in names)
 
 
-def at_least(b: Block, name: str, value: Operand, low: int) -> Var:
-    """The value, or `low` where it is less."""
-    return b.select(name, b.op(f"{name}_over", "ilt", integer(low), value), value, integer(low))
+def write_at_least(block: Block, name: str, value: Operand, low: int) -> Var:
+    """Write statements for the larger one of the value and `low`."""
+    return block.select(name, block.op(f"{name}_over", "ilt", integer(low), value), value, integer(low))
 
 
-def at_most(b: Block, name: str, value: Operand, high: Operand) -> Var:
-    """The value, or `high` where it is more."""
-    return b.select(name, b.op(f"{name}_under", "ilt", value, high), value, high)
+def write_at_most(block: Block, name: str, value: Operand, high: Operand) -> Var:
+    """Write statements for the smaller one of the value and `high`."""
+    return block.select(name, block.op(f"{name}_under", "ilt", value, high), value, high)
 
 
-def segment_kernel(clock: Clock, design: RefinedDesign) -> Kernel:
+def _write_rounded_shift(block: Block, name: str, value: Operand, bits: int) -> Var:
+    """Write statements for the value over 2^bits, rounded to the nearest integer."""
+    return block.op(name, "ishr", block.op(f"{name}_half", "iadd", value, integer(1 << (bits - 1))), integer(bits))
+
+
+def build_integer_segment_kernel(clock: TickClock, design: RefinedDesign) -> Kernel:
+    """Build the kernel from a tick to (table index of the segment's first row, s in 2^-16)."""
     tick = Var("tick", TICK)
     b = Block({"tick", "row", "s"})
-    last = Const(clock.last, TICK)
-    count = b.op("count", "int", b.select("held", b.op("running", "tlt", tick, last), tick, last))
+    end_tick = Const(clock.end_tick, TICK)
+    count = b.op("count", "int", b.select("held", b.op("running", "tlt", tick, end_tick), tick, end_tick))
     passed = b.op("passed", "upper", integer(clock.scale), b.op("count_low", "low", count, integer(HALF_WORD - 1)))
-    if clock.last >= HALF_WORD:
-        high = b.op("passed_high", "imul", b.op("count_high", "ishr", count, integer(16)), integer(clock.scale))
-        passed = b.op("passed_both", "iadd", passed, high)
-    place = at_most(b, "place", passed, integer((design.segments << clock.bits) - 1))
-    index = b.op("segment", "ishr", place, integer(clock.bits))
-    fine = b.op("fine", "ishr", place, integer(clock.bits - 16)) if clock.bits > 16 else place
-    s = b.op("share", "low", fine, integer(HALF_WORD - 1))
-    row = b.op("first", "imul", index, integer(2 * design.dimension))
+    if clock.end_tick >= HALF_WORD:
+        upper_part = b.op("passed_high", "imul", b.op("count_high", "ishr", count, integer(16)), integer(clock.scale))
+        passed = b.op("passed_both", "iadd", passed, upper_part)
+    spline_time = write_at_most(b, "place", passed, integer((design.segments << clock.bits) - 1))  # in 2^-bits of a segment
+    segment_index = b.op("segment", "ishr", spline_time, integer(clock.bits))
+    in_16_bits = b.op("fine", "ishr", spline_time, integer(clock.bits - 16)) if clock.bits > 16 else spline_time
+    s = b.op("share", "low", in_16_bits, integer(HALF_WORD - 1))
+    row = b.op("first", "imul", segment_index, integer(2 * design.dimension))
     return _kernel("segment", (tick,), b, {"row": row, "s": s}, "Table index of the segment at a tick, and s in 2^-16 of it.")
 
 
-def _rounded(b: Block, name: str, value: Operand, places: int) -> Var:
-    """The value over 2^places, to the nearest."""
-    return b.op(name, "ishr", b.op(f"{name}_half", "iadd", value, integer(1 << (places - 1))), integer(places))
-
-
 @cache
-def weights_kernel() -> Kernel:
-    (s,) = _ints("s")
+def build_weights_kernel() -> Kernel:
+    """Build the kernel from s to the weights of the three steps: (1 - s)^3, 3 s + 3 s^2 - 2 s^3 and s^3.
+
+    Each clamp takes away the rounding of its argument, which is never below 0 in exact arithmetic."""
+    (s,) = _integer_variables("s")
     b = Block({"s", "w0", "w1", "w2"})
-    first = b.op("s_up", "ishl", s, integer(FINE - 16))
-    square = b.op("square", "upper", first, s)
+    s_fine = b.op("s_up", "ishl", s, integer(POWER_BITS - 16))
+    square = b.op("square", "upper", s_fine, s)
     cube = b.op("cube", "upper", square, s)
-    sum_3 = b.op("sum_3", "imul", b.op("sum", "iadd", first, square), integer(3))
-    bend = b.op("bend", "isub", sum_3, b.op("cube_2", "imul", cube, integer(2)))
-    less_3 = b.op("less_3", "imul", at_least(b, "less_held", b.op("less", "isub", first, square), 0), integer(3))
-    left = b.op("left", "isub", b.op("left_square", "isub", integer(1 << FINE), less_3), cube)
-    near = _rounded(b, "bend_near", at_least(b, "bend_held", bend, 0), FINE - BEND_BITS)
+    three_sums = b.op("sum_3", "imul", b.op("sum", "iadd", s_fine, square), integer(3))
+    middle = b.op("bend", "isub", three_sums, b.op("cube_2", "imul", cube, integer(2)))
+    difference = write_at_least(b, "less_held", b.op("less", "isub", s_fine, square), 0)
+    three_differences = b.op("less_3", "imul", difference, integer(3))
+    # (1 - s)^3 = 1 - 3 (s - s^2) - s^3
+    left_cube = b.op("left", "isub", b.op("left_square", "isub", integer(1 << POWER_BITS), three_differences), cube)
+    middle_weight = _write_rounded_shift(
+        b, "bend_near", write_at_least(b, "bend_held", middle, 0), POWER_BITS - MIDDLE_WEIGHT_BITS
+    )
+    outer_shift = POWER_BITS - OUTER_WEIGHT_BITS
     outputs = {
-        "w0": _rounded(b, "before", at_least(b, "left_held", left, 0), FINE - WEIGHT_BITS),
-        "w1": at_most(b, "middle", near, integer(HALF_WORD - 1)),
-        "w2": _rounded(b, "after", cube, FINE - WEIGHT_BITS),
+        "w0": _write_rounded_shift(b, "before", write_at_least(b, "left_held", left_cube, 0), outer_shift),
+        "w1": write_at_most(b, "middle", middle_weight, integer(HALF_WORD - 1)),
+        "w2": _write_rounded_shift(b, "after", cube, outer_shift),
     }
-    told = f"At s: (1 - s)^3 and s^3 in 2^-{WEIGHT_BITS}, 3 s + 3 s^2 - 2 s^3 in 2^-{BEND_BITS}."
-    return _kernel("weights", (s,), b, outputs, told)
+    doc = f"At s: (1 - s)^3 and s^3 in 2^-{OUTER_WEIGHT_BITS}, 3 s + 3 s^2 - 2 s^3 in 2^-{MIDDLE_WEIGHT_BITS}."
+    return _kernel("weights", (s,), b, outputs, doc)
 
 
 @dataclass(frozen=True)
-class Rate:
-    """Of weights for an edge's rate. places: of their fraction, in steps a second; mantissa 2^-shift: segments a second."""
+class RateScale:
+    """How weights of steps become rates of edges.
 
-    places: int
+    weight_bits: of the fraction of the weights, which are per second. mantissa 2^-shift: the number of segments per second."""
+
+    weight_bits: int
     mantissa: int
     shift: int
 
 
-def rate_of(design: RefinedDesign) -> Rate:
-    """Of the two outer weights, at most 3 segments a second each, none has more than 15 bits. Raises `BadInput` for a tube that
-    is too fast for that."""
-    per_second = Fraction(design.segments) / design.prescribed_time
-    places = math.floor(math.log2((HALF_WORD - 2) / (6 * per_second)))
-    if places < 0:
+def choose_rate_scale(design: RefinedDesign) -> RateScale:
+    """Choose as many bits for the weights as 16-bit numbers hold: the outer two are at most 3 segments per second each.
+
+    Raises `BadInput` for a tube that is too fast for that."""
+    segments_per_second = Fraction(design.segments) / design.prescribed_time
+    weight_bits = math.floor(math.log2((HALF_WORD - 2) / (6 * segments_per_second)))
+    if weight_bits < 0:
         raise BadInput("prescribed_time: is so short that integers of 16 bits do not hold the tube's rates; raise it")
-    shift = 16 - math.frexp(float(per_second))[1]
-    mantissa = math.floor(per_second * Fraction(2) ** shift)
-    return Rate(places, min(mantissa, HALF_WORD - 1), shift)
+    shift = 16 - math.frexp(float(segments_per_second))[1]
+    mantissa = math.floor(segments_per_second * Fraction(2) ** shift)
+    return RateScale(weight_bits, min(mantissa, HALF_WORD - 1), shift)
 
 
-def rates_kernel(rate: Rate) -> Kernel:
-    """Weights of the steps for an edge's rate, all at least 0."""
-    (s,) = _ints("s")
+def build_rate_weights_kernel(rate_scale: RateScale) -> Kernel:
+    """Build the kernel from s to the weights of the three steps for the rate of an edge, all at least 0."""
+    (s,) = _integer_variables("s")
     b = Block({"s", "r0", "r1", "r2"})
-    first = b.op("s_up", "ishl", s, integer(FINE - 16))
-    square = b.op("square", "upper", first, s)
-    less = at_most(b, "less_most", at_least(b, "less_held", b.op("less", "isub", first, square), 0), integer(1 << (FINE - 2)))
-    one = b.op("one_less", "isub", integer(1 << FINE), first)
-    left = at_least(b, "left_held", b.op("left", "isub", one, less), 0)  # (1 - s)^2 = 1 - s - (s - s^2)
-    middle = b.op("middle", "iadd", integer(1 << FINE), b.op("less_2", "imul", less, integer(2)))
+    fixed_one = integer(1 << POWER_BITS)
+    s_fine = b.op("s_up", "ishl", s, integer(POWER_BITS - 16))
+    square = b.op("square", "upper", s_fine, s)
+    nonnegative = write_at_least(b, "less_held", b.op("less", "isub", s_fine, square), 0)
+    difference = write_at_most(b, "less_most", nonnegative, integer(1 << (POWER_BITS - 2)))  # s - s^2, at most 1/4
+    one_less_s = b.op("one_less", "isub", fixed_one, s_fine)
+    left_square = write_at_least(b, "left_held", b.op("left", "isub", one_less_s, difference), 0)  # (1 - s)^2 = 1 - s - (s - s^2)
+    middle = b.op("middle", "iadd", fixed_one, b.op("less_2", "imul", difference, integer(2)))
 
-    def scaled(name: str, value: Operand) -> Var:
-        """3 times the value, in segments a second, to the places of the weights."""
-        a_second = b.op(f"{name}_second", "upper", b.op(f"{name}_3", "imul", value, integer(3)), integer(rate.mantissa))
-        return _rounded(b, name, a_second, FINE - 16 + rate.shift - rate.places)
+    def write_weight(name: str, value: Operand) -> Var:
+        """Write statements for 3 times the value times the segments per second, in 2^-weight_bits."""
+        per_second = b.op(f"{name}_second", "upper", b.op(f"{name}_3", "imul", value, integer(3)), integer(rate_scale.mantissa))
+        return _write_rounded_shift(b, name, per_second, POWER_BITS - 16 + rate_scale.shift - rate_scale.weight_bits)
 
-    outputs = {"r0": scaled("before", left), "r1": scaled("between", middle), "r2": scaled("after", square)}
-    told = f"At s, in 2^-{rate.places} a second: 3 (1 - s)^2, 3 + 6 s (1 - s) and 3 s^2 times the segments in a second."
-    return _kernel("rates", (s,), b, outputs, told)
-
-
-def _steps(b: Block, n: int, at: Var) -> tuple[Var, tuple[Var, ...]]:
-    """The second of four entries of an edge, from `at` on, and the steps between them."""
-    q = loaded(b, n, at, LOWER, "at", INT)
-    apart = [b.op(f"apart_{k}", "isub", after, before) for k, (before, after) in enumerate(pairwise(q))]
-    return q[1], tuple(b.op(f"d{k}", "short", v) for k, v in enumerate(apart))
+    outputs = {
+        "r0": write_weight("before", left_square),
+        "r1": write_weight("between", middle),
+        "r2": write_weight("after", square),
+    }
+    doc = f"At s, in 2^-{rate_scale.weight_bits} a second: 3 (1 - s)^2, 3 + 6 s (1 - s) and 3 s^2 times the segments in a second."
+    return _kernel("rates", (s,), b, outputs, doc)
 
 
-def _edge(b: Block, q1: Var, steps: tuple[Var, ...], weights: tuple[Var, ...]) -> Var:
+def _write_steps(b: Block, n: int, first_index: Var) -> tuple[Var, tuple[Var, ...]]:
+    """Write statements for the second of an edge's four control points, and for the three steps between them.
+
+    first_index: table index of the first control point, for n dimensions."""
+    control_points = write_control_points(b, n, first_index, side=LOWER, label="at", number_type=INT)
+    differences = [b.op(f"apart_{k}", "isub", after, before) for k, (before, after) in enumerate(pairwise(control_points))]
+    return control_points[1], tuple(b.op(f"d{k}", "short", v) for k, v in enumerate(differences))
+
+
+def _write_edge(b: Block, second_point: Var, steps: tuple[Var, ...], weights: tuple[Var, ...]) -> Var:
+    """Write statements for 6 q1 + d1 + w1 d1 + w2 d2 - w0 d0: an edge from the second control point q1 and the steps d."""
     (d0, d1, d2), (w0, w1, w2) = steps, weights
-    base = b.op("base", "iadd", b.op("q1_6", "imul", q1, integer(6)), d1)
-    middle = b.op("middle", "ishr", b.op("d1_w1", "product", d1, w1), integer(BEND_BITS))
+    base = b.op("base", "iadd", b.op("q1_6", "imul", second_point, integer(6)), d1)
+    middle = b.op("middle", "ishr", b.op("d1_w1", "product", d1, w1), integer(MIDDLE_WEIGHT_BITS))
     outer = b.op("outer", "isub", b.op("d2_w2", "product", d2, w2), b.op("d0_w0", "product", d0, w0))
-    ends = b.op("ends", "ishr", outer, integer(WEIGHT_BITS))
-    return b.op("value", "iadd", b.op("bent", "iadd", base, middle), ends)
+    shifted_outer = b.op("ends", "ishr", outer, integer(OUTER_WEIGHT_BITS))
+    return b.op("value", "iadd", b.op("bent", "iadd", base, middle), shifted_outer)
 
 
 @cache
-def edge_kernel(n: int) -> Kernel:
-    """An edge from its first entry in the table, at `at`, on, for n dimensions."""
-    at, *weights = inputs = _ints("at", "w0", "w1", "w2")
+def build_edge_kernel(n: int) -> Kernel:
+    """Build the kernel of an edge of order 1, for n dimensions; `at` is the table index of its first control point."""
+    at, *weights = inputs = _integer_variables("at", "w0", "w1", "w2")
     b = Block({v.name for v in inputs} | {"edge"})
-    edge = _edge(b, *_steps(b, n, at), tuple(weights))
-    told = "An edge of the tube: a control point, and the steps about it by their weights."
-    return _kernel("edge", inputs, b, {"edge": edge}, told)
+    edge = _write_edge(b, *_write_steps(b, n, at), tuple(weights))
+    doc = "An edge of the tube: a control point, and the steps about it by their weights."
+    return _kernel("edge", inputs, b, {"edge": edge}, doc)
 
 
-def moving_edge_kernel(n: int, rate: Rate) -> Kernel:
-    """An edge and its rate."""
-    at, w0, w1, w2, r0, r1, r2 = inputs = _ints("at", "w0", "w1", "w2", "r0", "r1", "r2")
+def build_edge_and_rate_kernel(n: int, rate_scale: RateScale) -> Kernel:
+    """Build the kernel of an edge and its rate, for order 2 and n dimensions."""
+    at, w0, w1, w2, r0, r1, r2 = inputs = _integer_variables("at", "w0", "w1", "w2", "r0", "r1", "r2")
     b = Block({v.name for v in inputs} | {"edge", "rate"})
-    q1, steps = _steps(b, n, at)
-    edge = _edge(b, q1, steps, (w0, w1, w2))
-    between = b.op("between", "ishr", b.op("d1_r1", "product", steps[1], r1), integer(rate.places))
-    about = b.op("about", "iadd", b.op("d0_r0", "product", steps[0], r0), b.op("d2_r2", "product", steps[2], r2))
-    slope = b.op("slope", "iadd", between, b.op("around", "ishr", about, integer(rate.places)))
-    told = "An edge of the tube, and its rate in units a second, by the steps about it."
-    return _kernel("edge", inputs, b, {"edge": edge, "rate": slope}, told)
+    second_point, steps = _write_steps(b, n, at)
+    edge = _write_edge(b, second_point, steps, (w0, w1, w2))
+    weight_bits = integer(rate_scale.weight_bits)
+    middle = b.op("between", "ishr", b.op("d1_r1", "product", steps[1], r1), weight_bits)
+    outer = b.op("about", "iadd", b.op("d0_r0", "product", steps[0], r0), b.op("d2_r2", "product", steps[2], r2))
+    rate = b.op("slope", "iadd", middle, b.op("around", "ishr", outer, weight_bits))
+    doc = "An edge of the tube, and its rate in units a second, by the steps about it."
+    return _kernel("edge", inputs, b, {"edge": edge, "rate": rate}, doc)
 
 
 @cache
-def curve_kernel() -> Kernel:
-    """The quadratic of one row at t, in 2^-16 of the row's piece."""
-    row, t = _ints("row", "t")
+def build_curve_kernel() -> Kernel:
+    """Build the kernel of the quadratic of one table row at t, in 2^-16 of the row's piece (curves.py)."""
+    row, t = _integer_variables("row", "t")
     b = Block({"row", "t", "value"})
     level, slope, bend = (b.let(name, Load(f"{name}s", row, INT)) for name in ("level", "slope", "bend"))
-    down = b.op("down", "isub", slope, b.op("bent", "ishr", b.op("bend_t", "product", bend, t), integer(16)))
-    fall = b.op("fall", "ishr", b.op("down_t", "product", down, t), integer(16 + SLOPE_BITS))
-    value = b.op("found", "low", b.op("left", "isub", level, fall), integer(HALF_WORD - 1))  # which is all of it
-    told = "The quadratic of a row, level - (slope - bend t) t, at t in 2^-16."
-    return _kernel("curve", (row, t), b, {"value": value}, told)
+    slope_at_t = b.op("down", "isub", slope, b.op("bent", "ishr", b.op("bend_t", "product", bend, t), integer(16)))
+    fall = b.op("fall", "ishr", b.op("down_t", "product", slope_at_t, t), integer(16 + SLOPE_BITS))
+    # The mask changes no value: it tells the ranges that the value has 16 bits.
+    value = b.op("found", "low", b.op("left", "isub", level, fall), integer(HALF_WORD - 1))
+    doc = "The quadratic of a row, level - (slope - bend t) t, at t in 2^-16."
+    return _kernel("curve", (row, t), b, {"value": value}, doc)
 
 
-def row_and_place(b: Block, name: str, value: Operand, bits: int, first: Operand) -> tuple[Var, Var]:
-    """Of a number in [2^30, 2^31): its row of the curves by the `bits` bits after the first, and its place in that row's piece,
-    in 2^-16. first: the row of 2^30."""
-    head = b.op(f"{name}_head", "low", b.op(f"{name}_bits", "ishr", value, integer(30 - bits)), integer((1 << bits) - 1))
-    row = head if first == integer(0) else b.op(f"{name}_row", "iadd", head, first)
-    return row, b.op(f"{name}_t", "low", b.op(f"{name}_tail", "ishr", value, integer(14 - bits)), integer(HALF_WORD - 1))
+def write_curve_position(block: Block, name: str, value: Operand, piece_bits: int, first_row: Operand) -> tuple[Var, Var]:
+    """Write statements for the row of the curves' tables of a value in [2^30, 2^31), and for its position in the piece, in 2^-16.
+
+    piece_bits: so many bits after the first select the piece. first_row: the row of the value 2^30."""
+    shifted = block.op(f"{name}_bits", "ishr", value, integer(30 - piece_bits))
+    piece = block.op(f"{name}_head", "low", shifted, integer((1 << piece_bits) - 1))
+    row = piece if first_row == integer(0) else block.op(f"{name}_row", "iadd", piece, first_row)
+    tail = block.op(f"{name}_tail", "ishr", value, integer(14 - piece_bits))
+    return row, block.op(f"{name}_t", "low", tail, integer(HALF_WORD - 1))
 
 
 @cache
-def push_kernel() -> Kernel:
+def build_push_kernel() -> Kernel:
+    """Build the kernel of |u|: |e| times H, 1/d and the gain's mantissa, shifted down to units of u, at most `limit`."""
     names = ("e", "rise", "over", "gain", "places", "limit")
-    e, rise, over, gain, places, limit = inputs = _ints(*names)
+    e, h, reciprocal, gain, shift, limit = inputs = _integer_variables(*names)
     b = Block({*names, "push"})
-    size = b.op("size", "upper", b.op("over_width", "upper", b.op("steep", "upper", e, rise), over), gain)
-    push = at_most(b, "push_held", b.op("moved", "ishr", size, places), limit)
+    e_times_h = b.op("steep", "upper", e, h)
+    product = b.op("size", "upper", b.op("over_width", "upper", e_times_h, reciprocal), gain)
+    push = write_at_most(b, "push_held", b.op("moved", "ishr", product, shift), limit)
     return _kernel("push", inputs, b, {"push": push}, "|u|: gain e H/d, at most `limit`.")

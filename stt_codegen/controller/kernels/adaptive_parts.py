@@ -1,5 +1,12 @@
-"""The pieces that the functions of an adaptive or literal controller are made of: kernels, tables, and the statements for
-rho, beta, psi, alpha and gamma of one dimension."""
+"""What the functions of an adaptive or literal controller are built from.
+
+These are kernels, tables, and statements for rho, beta, psi, alpha and gamma of one dimension.
+
+adaptive_frame.py and probes.py call this file. Functions named `write_..` append statements to a block of a Program and return
+the variables that hold the results. Strings that they pass are names in emitted code. Pairs are (lower, upper). Numbers in
+brackets are equations of docs/paper.md; the lemmas `kernels.*`, `functions.*` and `update.*` of docs/lemmas.md are about what is
+built here.
+"""
 
 from __future__ import annotations
 
@@ -7,19 +14,22 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from typing import NamedTuple
 
-from stt_codegen.controller.kernels.law import Law
+from stt_codegen.controller.kernels.law import ControlLaw, build_control_law
 from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign
 from stt_codegen.paper import adaptive_tube, circumvent, reach_tube
 from stt_codegen.program import REAL, Block, Const, Kernel, Load, Operand, Table, Var, integer, real
 from stt_codegen.program.convert import lower
+from stt_codegen.task import Task
 
-LONGEST_STEP = Fraction(1 << 20)  # seconds; a longer dt counts as this, alpha has settled long before
-FILLER = (Fraction(0), Fraction(1), Fraction(0), Fraction(1))  # a bump of height 0
+LONGEST_STEP = Fraction(1 << 20)  # seconds; a longer dt counts as this: alpha is at rest long before
+FLAT_BUMP = (Fraction(0), Fraction(1), Fraction(0), Fraction(1))  # height, steepness, middle, radius
+SIDE_LABELS = ((LOWER, "low"), (UPPER, "high"))  # labels are parts of names in emitted code
 
 
 @dataclass(frozen=True, kw_only=True)
-class Kernels:
+class AdaptiveKernels:
     """The kernels of (4)-(11)."""
 
     hold: Kernel
@@ -41,8 +51,10 @@ class Kernels:
     upper_edge_rate: Kernel
     theta: Kernel
 
-    def emitted(self, slots: tuple[int, int]) -> tuple[Kernel, ...]:
-        """Those that some public function calls: theta is for the probe, joining only where a side has two bumps."""
+    def of_public_functions(self, slots: tuple[int, int]) -> tuple[Kernel, ...]:
+        """Return the kernels that public functions call, for `slots` circumvent functions on each side of a dimension.
+
+        theta is for the probe alone; joining is needed where a side has two circumvent functions."""
         unused = {"theta"}
         if max(slots) == 0:
             unused |= {"circumvent", "circumvent_rate"}
@@ -52,9 +64,10 @@ class Kernels:
 
 
 @cache  # they depend on no task
-def kernels_of_the_paper() -> Kernels:
-    return Kernels(
-        hold=_hold(),
+def build_adaptive_kernels() -> AdaptiveKernels:
+    """Lower the functions of stt_codegen/paper that (4)-(11) need to kernels; each docstring stands in the emitted code."""
+    return AdaptiveKernels(
+        hold=_build_hold_kernel(),
         profile=lower(reach_tube.profile(), ("Time profile of (4): sigma = tanh(t / (t_c - t)), 1 from t_c on.",)),
         profile_rate=lower(reach_tube.profile(True), ("sigma of (4) and its derivative.",)),
         reach_edge=lower(reach_tube.reach_edge(), ("An edge of the reachability tube (4).",)),
@@ -75,25 +88,33 @@ def kernels_of_the_paper() -> Kernels:
     )
 
 
-def _hold() -> Kernel:
-    """The kernel that holds t within [0, t_c]."""
+def _build_hold_kernel() -> Kernel:
+    """Build the kernel that clamps t to [0, t_c]."""
     t, t_c = Var("t", REAL), Var("t_c", REAL)
     block = Block({"t", "t_c"})
-    positive = block.op("positive", "lt", real(0), t)
-    started = block.select("started", positive, t, real(0))
-    running = block.op("running", "lt", started, t_c)
-    held = block.select("held", running, started, t_c)
-    return Kernel("hold", (t, t_c), tuple(block.statements), (held,), ("held",), doc=("t held within [0, t_c].",))  # type: ignore[arg-type]
+    is_positive = block.op("positive", "lt", real(0), t)
+    nonnegative_t = block.select("started", is_positive, t, real(0))
+    is_before_end = block.op("running", "lt", nonnegative_t, t_c)
+    clamped_t = block.select("held", is_before_end, nonnegative_t, t_c)
+    body = tuple(block.statements)
+    return Kernel("hold", (t, t_c), body, (clamped_t,), ("held",), doc=("t held within [0, t_c].",))  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
-class Frame:
-    """What every function of one program needs: the design, its kernels, and how many bumps a side has."""
+class AdaptiveParts:
+    """What all functions of one adaptive program are built from: the design, the kernels, and the control law.
+
+    scalar: "float" or "double"."""
 
     design: AdaptiveDesign
-    kernels: Kernels
-    law: Law
+    kernels: AdaptiveKernels
+    law: ControlLaw
     scalar: str
+
+    @classmethod
+    def of(cls, task: Task, design: AdaptiveDesign) -> AdaptiveParts:
+        """Collect the parts for a task. Raises `BadInput` when the law's constants do not fit its scalar."""
+        return cls(design, build_adaptive_kernels(), build_control_law(task), task.emit.scalar)
 
     @property
     def n(self) -> int:
@@ -101,6 +122,7 @@ class Frame:
 
     @property
     def slots(self) -> tuple[int, int]:
+        """The number of rows that each dimension has in the table of circumvent functions, by side."""
         return self.design.slots
 
     @property
@@ -108,24 +130,26 @@ class Frame:
         return real(self.design.prescribed_time)
 
     @property
-    def update(self) -> tuple[Const, ...]:
+    def update_constants(self) -> tuple[Const, ...]:
+        """theta0, kappa, mu and varsigma of the update equation (11)."""
         d = self.design
         return tuple(real(v) for v in (d.theta0, d.kappa, d.mu, d.varsigma))
 
 
-def tables_of(frame: Frame) -> list[Table]:
-    d, slots = frame.design, frame.slots
-    reach = [v for i in range(frame.n) for v in (d.start[i][0], d.target[i][0], d.start[i][1], d.target[i][1])]
+def build_adaptive_tables(parts: AdaptiveParts) -> list[Table]:
+    """Build the tables of the tube: `reach`, `walls`, and `bumps` where there are circumvent functions."""
+    d, slots = parts.design, parts.slots
+    reach = [v for i in range(parts.n) for v in (d.start[i][0], d.target[i][0], d.start[i][1], d.target[i][1])]
     tables = [
         Table("reach", tuple(reach), 4, ("By dimension: X0hat and That of the lower edge, X0hat and That of the upper edge.",)),
         Table("walls", tuple(v for edge in d.walls for v in edge), 2, ("By dimension: rest levels of beta_L and beta_U.",)),
     ]
     if any(slots):
         rows = []
-        for i in range(frame.n):
+        for i in range(parts.n):
             for side in (LOWER, UPPER):
-                own = [(b.height, b.steepness, b.middle, b.radius) for b in d.bumps_on(i, side)]
-                rows += own + [FILLER] * (slots[side] - len(own))
+                bumps = [(b.height, b.steepness, b.middle, b.radius) for b in d.bumps_on(i, side)]
+                rows += bumps + [FLAT_BUMP] * (slots[side] - len(bumps))
         doc = (
             f"Circumvent functions B, k, m, r: for each dimension {slots[LOWER]} of beta_L, then {slots[UPPER]} of beta_U,",
             "filled up with height 0.",
@@ -134,9 +158,27 @@ def tables_of(frame: Frame) -> list[Table]:
     return tables
 
 
+class TimeProfile(NamedTuple):
+    """t clamped to [0, t_c], sigma of (4) at that time, and the rate of sigma if it was requested (0 from t_c on)."""
+
+    t: Var
+    sigma: Var
+    sigma_rate: Var | None
+
+
+def write_time_profile(block: Block, parts: AdaptiveParts, t: Operand, *, with_rate: bool = False) -> TimeProfile:
+    """Write statements for the time profile of (4) at time t."""
+    (clamped_t,) = block.call(parts.kernels.hold, t, parts.t_c)
+    if not with_rate:
+        (sigma,) = block.call(parts.kernels.profile, clamped_t, parts.t_c)
+        return TimeProfile(clamped_t, sigma, None)
+    sigma, sigma_rate = block.call(parts.kernels.profile_rate, clamped_t, parts.t_c)
+    return TimeProfile(clamped_t, sigma, sigma_rate)
+
+
 @dataclass(frozen=True)
-class Lines:
-    """rho and beta of one dimension at one time, (lower, upper); with rates where asked."""
+class RhoBeta:
+    """rho (4) and beta (9) of one dimension at one time; with rates if the time profile has one."""
 
     rho: tuple[Var, Var]
     beta: tuple[Var, Var]
@@ -144,105 +186,129 @@ class Lines:
     beta_rate: tuple[Var, Var] | None = None
 
 
-def profile(block: Block, frame: Frame, t: Operand, rate: bool) -> tuple[Var, Var, Var | None]:
-    """t held within [0, t_c], sigma there, and its rate (0 from t_c on)."""
-    (held,) = block.call(frame.kernels.hold, t, frame.t_c)
-    if not rate:
-        (sigma,) = block.call(frame.kernels.profile, held, frame.t_c)
-        return held, sigma, None
-    sigma, sigma_rate = block.call(frame.kernels.profile_rate, held, frame.t_c)
-    return held, sigma, sigma_rate
+def write_rho_and_beta(block: Block, parts: AdaptiveParts, i: Operand, profile: TimeProfile) -> RhoBeta:
+    """Write statements for rho (4) and beta (9) of dimension i, and for their rates if the profile has a rate."""
+    reach_row = block.op("reach_row", "imul", i, integer(4))
+    wall_row = block.op("wall_row", "imul", i, integer(2))
+    rhos = [_write_rho(block, parts, reach_row, side, profile) for side in (LOWER, UPPER)]
+    betas = [_write_beta(block, parts, (i, wall_row), side, profile) for side in (LOWER, UPPER)]
+    (rho_low, rho_low_rate), (rho_high, rho_high_rate) = rhos
+    (beta_low, beta_low_rate), (beta_high, beta_high_rate) = betas
+    if rho_low_rate is None or rho_high_rate is None or beta_low_rate is None or beta_high_rate is None:
+        return RhoBeta((rho_low, rho_high), (beta_low, beta_high))
+    return RhoBeta((rho_low, rho_high), (beta_low, beta_high), (rho_low_rate, rho_high_rate), (beta_low_rate, beta_high_rate))
 
 
-def lines_of(block: Block, frame: Frame, i: Operand, held: Var, sigma: Var, sigma_rate: Var | None) -> Lines:
-    """Statements for rho (4) and beta (9) of dimension i."""
-    k = frame.kernels
-    row = block.op("reach_row", "imul", i, integer(4))
-    pair = block.op("wall_row", "imul", i, integer(2))
-    rho, rho_rate, beta, beta_rate = [], [], [], []
-    for side, name in ((LOWER, "low"), (UPPER, "high")):
-        at = block.op(f"{name}_start_at", "iadd", row, integer(2 * side)) if side else row
-        start = block.let(f"{name}_start", Load("reach", at))
-        end = block.let(f"{name}_end", Load("reach", block.op(f"{name}_end_at", "iadd", row, integer(2 * side + 1))))
-        (edge,) = block.call(k.reach_edge, start, end, sigma, names=(f"rho_{name}",))
-        rho.append(edge)
-        if sigma_rate is not None:
-            (speed,) = block.call(k.reach_rate, start, end, sigma_rate, names=(f"rho_{name}_rate",))
-            rho_rate.append(speed)
-    for side, name in ((LOWER, "low"), (UPPER, "high")):
-        at = block.op(f"{name}_wall_at", "iadd", pair, integer(1)) if side else pair
-        wall = block.let(f"{name}_wall", Load("walls", at))
-        height, slope = _joined(block, frame, i, side, name, held, sigma_rate is not None)
-        beta.append(block.op(f"beta_{name}", "add" if side == LOWER else "sub", wall, height))
-        if slope is not None:
-            beta_rate.append(slope if side == LOWER else block.op(f"beta_{name}_rate", "neg", slope))
-    if sigma_rate is None:
-        return Lines((rho[0], rho[1]), (beta[0], beta[1]))
-    return Lines((rho[0], rho[1]), (beta[0], beta[1]), (rho_rate[0], rho_rate[1]), (beta_rate[0], beta_rate[1]))
+def _write_rho(block: Block, parts: AdaptiveParts, row: Var, side: int, profile: TimeProfile) -> tuple[Var, Var | None]:
+    """Write statements for one edge of the reachability tube (4) and its rate. row: table index of the dimension in `reach`."""
+    label = SIDE_LABELS[side][1]
+    start_index = block.op(f"{label}_start_at", "iadd", row, integer(2 * side)) if side else row
+    start = block.let(f"{label}_start", Load("reach", start_index))
+    end_index = block.op(f"{label}_end_at", "iadd", row, integer(2 * side + 1))
+    end = block.let(f"{label}_end", Load("reach", end_index))
+    (rho,) = block.call(parts.kernels.reach_edge, start, end, profile.sigma, names=(f"rho_{label}",))
+    if profile.sigma_rate is None:
+        return rho, None
+    (rate,) = block.call(parts.kernels.reach_rate, start, end, profile.sigma_rate, names=(f"rho_{label}_rate",))
+    return rho, rate
 
 
-def _joined(block: Block, frame: Frame, i: Operand, side: int, name: str, held: Var, rate: bool) -> tuple[Var, Var | None]:
-    """Statements for the joined circumvent functions of one side of dimension i, above rest."""
-    k, slots = frame.kernels, frame.slots[side]
-    nu, cut = real(frame.design.nu), real(circumvent.CUT[frame.scalar])
+def _write_beta(
+    block: Block, parts: AdaptiveParts, indices: tuple[Operand, Var], side: int, profile: TimeProfile
+) -> tuple[Var, Var | None]:
+    """Write statements for beta (9) of one side and its rate. indices: the dimension, and its table index in `walls`."""
+    label = SIDE_LABELS[side][1]
+    i, row = indices
+    wall_index = block.op(f"{label}_wall_at", "iadd", row, integer(1)) if side else row
+    wall = block.let(f"{label}_wall", Load("walls", wall_index))
+    height, height_rate = _write_joined_bumps(block, parts, i, side, profile)
+    beta = block.op(f"beta_{label}", "add" if side == LOWER else "sub", wall, height)
+    if height_rate is None or side == LOWER:
+        return beta, height_rate
+    return beta, block.op(f"beta_{label}_rate", "neg", height_rate)
+
+
+def _write_joined_bumps(
+    block: Block, parts: AdaptiveParts, i: Operand, side: int, profile: TimeProfile
+) -> tuple[Var, Var | None]:
+    """Write statements for the joined circumvent functions of one side of dimension i: height above the wall, and its rate."""
+    label, kernels, slots = SIDE_LABELS[side][1], parts.kernels, parts.slots[side]
+    nu, cutoff = real(parts.design.nu), real(circumvent.CUT[parts.scalar])
+    has_rate = profile.sigma_rate is not None
     if slots == 0:
-        rest = block.let(f"{name}_rest", real(0))
-        return rest, (block.let(f"{name}_rest_rate", real(0)) if rate else None)
-    first = block.op(f"{name}_bumps_at", "imul", i, integer(4 * sum(frame.slots)))
-    with block.loop(f"{name}_j", slots) as loop:
-        total = loop.carry(f"{name}_joined", real(0))
-        total_rate = loop.carry(f"{name}_joined_rate", real(0)) if rate else None
-        offset = block.op(f"{name}_offset", "imul", loop.index, integer(4))
-        at = block.op(f"{name}_at", "iadd", first, offset)
-        values = []
-        for column, label in enumerate(("height", "steepness", "middle", "radius")):
-            shift = 4 * frame.slots[LOWER] * side + column
-            index = block.op(f"{name}_{label}_at", "iadd", at, integer(shift)) if shift else at
-            values.append(block.let(f"{name}_{label}", Load("bumps", index)))
+        height = block.let(f"{label}_rest", real(0))
+        return height, (block.let(f"{label}_rest_rate", real(0)) if has_rate else None)
+    first_index = block.op(f"{label}_bumps_at", "imul", i, integer(4 * sum(parts.slots)))
+    with block.loop(f"{label}_j", slots) as loop:
+        total = loop.carry(f"{label}_joined", real(0))
+        total_rate = loop.carry(f"{label}_joined_rate", real(0)) if has_rate else None
+        offset = block.op(f"{label}_offset", "imul", loop.index, integer(4))
+        shape = _write_bump_shape(block, parts, block.op(f"{label}_at", "iadd", first_index, offset), side)
         if total_rate is not None:
-            bump, bump_rate = block.call(k.circumvent_rate, held, *values, cut, names=(f"{name}_bump", f"{name}_bump_rate"))
+            names: tuple[str, ...] = (f"{label}_bump", f"{label}_bump_rate")
+            bump, bump_rate = block.call(kernels.circumvent_rate, profile.t, *shape, cutoff, names=names)
             if slots > 1:
-                names = (f"{name}_next", f"{name}_next_rate")
-                bump, bump_rate = block.call(k.join_rate, total, bump, total_rate, bump_rate, nu, names=names)
+                names = (f"{label}_next", f"{label}_next_rate")
+                bump, bump_rate = block.call(kernels.join_rate, total, bump, total_rate, bump_rate, nu, names=names)
             loop.update(total_rate, bump_rate)
         else:
-            (bump,) = block.call(k.circumvent, held, *values, cut, names=(f"{name}_bump",))
+            (bump,) = block.call(kernels.circumvent, profile.t, *shape, cutoff, names=(f"{label}_bump",))
             if slots > 1:
-                (bump,) = block.call(k.join, total, bump, nu, names=(f"{name}_next",))
+                (bump,) = block.call(kernels.join, total, bump, nu, names=(f"{label}_next",))
         loop.update(total, bump)
     return total, total_rate
 
 
-def psi_of(block: Block, lines: Lines) -> tuple[Var, Var]:
-    """psi_L = beta_U - rho_L and psi_U = rho_U - beta_L."""
-    lower_psi = block.op("psi_low", "sub", lines.beta[UPPER], lines.rho[LOWER])
-    return lower_psi, block.op("psi_high", "sub", lines.rho[UPPER], lines.beta[LOWER])
+def _write_bump_shape(block: Block, parts: AdaptiveParts, index: Var, side: int) -> list[Var]:
+    """Write statements that load B, k, m and r of a circumvent function.
+
+    index: that of the lower side's entry; entries of the upper side follow those of the lower one."""
+    label = SIDE_LABELS[side][1]
+    shape = []
+    for column, quantity in enumerate(("height", "steepness", "middle", "radius")):
+        shift = 4 * parts.slots[LOWER] * side + column
+        shifted_index = block.op(f"{label}_{quantity}_at", "iadd", index, integer(shift)) if shift else index
+        shape.append(block.let(f"{label}_{quantity}", Load("bumps", shifted_index)))
+    return shape
+
+
+def write_psi(block: Block, rho_beta: RhoBeta) -> tuple[Var, Var]:
+    """Write statements for psi_L = beta_U - rho_L and psi_U = rho_U - beta_L."""
+    lower_psi = block.op("psi_low", "sub", rho_beta.beta[UPPER], rho_beta.rho[LOWER])
+    return lower_psi, block.op("psi_high", "sub", rho_beta.rho[UPPER], rho_beta.beta[LOWER])
 
 
 def alpha_cap(design: AdaptiveDesign) -> Fraction:
-    """Above every alpha that (11) has: alphadot < 0 for alpha >= |psi| + (2 theta0 / kappa)^(1/3), with room of 4."""
+    """Return a bound that no alpha of (11) reaches: 4 times one where alphadot < 0.
+
+    alphadot < 0 for alpha >= |psi| + (2 theta0 / kappa)^(1/3)."""
     lengths = [b - a for a, b in design.walls] + [b.height for b in design.bumps]
-    settled = Fraction(2 ** math.ceil(math.log2(2 * design.theta0 / design.kappa) / 3))
-    return 4 * (2 * max(lengths) + settled)
+    cube_root = Fraction(2 ** math.ceil(math.log2(2 * design.theta0 / design.kappa) / 3))  # a power of two above it
+    return 4 * (2 * max(lengths) + cube_root)
 
 
-def alphas_of(block: Block, frame: Frame, i: Operand) -> tuple[Var, Var]:
-    """alpha_L and alpha_U of dimension i, held within [0, cap], which keeps everything finite for a caller's odd numbers."""
-    span = alpha_cap(frame.design)
-    result = []
-    for side, name in ((LOWER, "low"), (UPPER, "high")):
-        at = block.op(f"alpha_{name}_at", "iadd", i, integer(frame.n)) if side else i
-        given = block.let(f"alpha_{name}_in", Load("alpha", at))
-        positive = block.op(f"alpha_{name}_positive", "lt", real(0), given)
-        raised = block.select(f"alpha_{name}_raised", positive, given, real(0))
-        small = block.op(f"alpha_{name}_small", "lt", raised, real(span))
-        result.append(block.select(f"alpha_{name}", small, raised, real(span)))
-    return result[0], result[1]
+def write_clamped_alphas(block: Block, parts: AdaptiveParts, i: Operand) -> tuple[Var, Var]:
+    """Write statements for alpha_L and alpha_U of dimension i, clamped to [0, alpha_cap].
+
+    The clamp makes every result finite for any finite alpha that a caller passes."""
+    cap = alpha_cap(parts.design)
+    alphas = []
+    for side, label in SIDE_LABELS:
+        index = block.op(f"alpha_{label}_at", "iadd", i, integer(parts.n)) if side else i
+        unclamped = block.let(f"alpha_{label}_in", Load("alpha", index))
+        is_positive = block.op(f"alpha_{label}_positive", "lt", real(0), unclamped)
+        raised = block.select(f"alpha_{label}_raised", is_positive, unclamped, real(0))
+        is_below_cap = block.op(f"alpha_{label}_small", "lt", raised, real(cap))
+        alphas.append(block.select(f"alpha_{label}", is_below_cap, raised, real(cap)))
+    return alphas[0], alphas[1]
 
 
-def edges_of(block: Block, frame: Frame, lines: Lines, alphas: tuple[Var, Var]) -> tuple[Var, Var]:
-    """Statements for gamma_L and gamma_U (10)."""
-    k, nu = frame.kernels, real(frame.design.nu)
-    (low,) = block.call(k.lower_edge, lines.rho[LOWER], alphas[LOWER], lines.beta[LOWER], nu, names=("gamma_low",))
-    (high,) = block.call(k.upper_edge, lines.rho[UPPER], alphas[UPPER], lines.beta[UPPER], nu, names=("gamma_high",))
+def write_gamma(block: Block, parts: AdaptiveParts, i: Operand, profile: TimeProfile) -> tuple[Var, Var]:
+    """Write statements for gamma_L and gamma_U (10) of dimension i."""
+    rho_beta = write_rho_and_beta(block, parts, i, profile)
+    alphas = write_clamped_alphas(block, parts, i)
+    kernels, nu = parts.kernels, real(parts.design.nu)
+    rho, beta = rho_beta.rho, rho_beta.beta
+    (low,) = block.call(kernels.lower_edge, rho[LOWER], alphas[LOWER], beta[LOWER], nu, names=("gamma_low",))
+    (high,) = block.call(kernels.upper_edge, rho[UPPER], alphas[UPPER], beta[UPPER], nu, names=("gamma_high",))
     return low, high

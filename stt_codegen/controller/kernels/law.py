@@ -1,10 +1,15 @@
-"""The frame around (13) for one component of the state: clamp, error transform, law; and the public `transform`.
+"""The control law (13) for one component of the state: clamp, error transform, input, margin; and the public `transform`.
+
+refined_frame.py, adaptive_frame.py and inertial_frame.py build their functions from these. Functions named `write_..` append
+statements to a block of a Program and return the variables that hold the results. Strings that they pass are names in emitted
+code.
 
 Clamping e to [-e_max, e_max] is the same as keeping both distances a = x - gamma_L and b = gamma_U - x within
-[c, 1 - c] times the width, c = (1 - e_max) / 2. Only the lesser of them can be below c, and the other one is what the width
-leaves: so one comparison clamps, nothing overflows and no division is by zero, whatever x is.
+[c, 1 - c] times the width, c = (1 - e_max) / 2. Only the lesser of them can be below c, and the other one is the rest of the
+width: so one comparison clamps, nothing overflows and no division is by zero, whatever x is. The lemmas `transform.*` and
+`functions.*` of docs/lemmas.md are about the kernels and the functions here.
 
-Long because a component's law is one piece: place, clamp, transform, law, margin, for every kind of tube.
+Long because a component's law is one piece: distances, clamp, transform, law, margin, for every kind of tube.
 """
 
 from __future__ import annotations
@@ -15,7 +20,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Protocol
 
-from stt_codegen.controller.kernels.logarithm import without_library
+from stt_codegen.controller.kernels.logarithm import with_inline_logarithm
 from stt_codegen.designs import MINIMUM_WIDTH
 from stt_codegen.errors import BadInput
 from stt_codegen.paper import control_law
@@ -39,97 +44,104 @@ from stt_codegen.task import Task
 
 
 @dataclass(frozen=True, kw_only=True)
-class Law:
-    """The kernels of section IV and the constants of the control law for one task, by component."""
+class ControlLaw:
+    """The kernels of section IV and the constants of the control law (13) for one task, by component."""
 
     normalized_error: Kernel
     transformed_error: Kernel
-    law: Kernel
+    control_input: Kernel
     gain: tuple[Fraction, ...]
     e_max: tuple[Fraction, ...]
     u_max: tuple[Fraction, ...] | None
-    scales: bool = False  # whether u_max limits u as a whole
+    scales_input: bool = False  # whether one factor brings all components of u within u_max, instead of saturation
 
     @property
     def kernels(self) -> tuple[Kernel, ...]:
-        return (self.normalized_error, self.transformed_error, self.law)
+        return (self.normalized_error, self.transformed_error, self.control_input)
 
     @property
-    def shares(self) -> tuple[Fraction, ...]:
-        """c = (1 - e_max)/2, the least distance to an edge, over the width, that the law goes by."""
+    def clamp_shares(self) -> tuple[Fraction, ...]:
+        """By component, c = (1 - e_max)/2: the smallest distance to an edge over the width that the law calculates with."""
         return tuple((1 - v) / 2 for v in self.e_max)
 
     @property
     def tables(self) -> list[Table]:
-        """What differs by component; a constant that all share stands where it is used."""
-        known = (
+        """The tables of constants that differ by component; a constant that all components share is written where it is used."""
+        constants = (
             ("gain", self.gain, "Gain k of the control law, by component."),
             ("e_max", self.e_max, "Clamp of the normalized error, by component."),
-            ("least_share", self.shares, "(1 - e_max)/2, by component."),
+            ("least_share", self.clamp_shares, "(1 - e_max)/2, by component."),
         )
-        found = [Table(name, values, len(values), (doc,)) for name, values, doc in known if len(set(values)) > 1]
-        if self.u_max is not None and not self.scales:
-            found.append(Table("u_max", self.u_max, len(self.u_max), ("Saturation of u, by component.",)))
-        return found
+        tables = [Table(name, values, len(values), (doc,)) for name, values, doc in constants if len(set(values)) > 1]
+        if self.u_max is not None and not self.scales_input:
+            tables.append(Table("u_max", self.u_max, len(self.u_max), ("Saturation of u, by component.",)))
+        return tables
 
-    def signed_gain(self, block: Block, i: Operand) -> tuple[Operand, Operand]:
-        """k and -k of component i."""
-        return _signed(block, "gain", self.gain, i)
+    def write_signed_gain(self, block: Block, i: Operand) -> tuple[Operand, Operand]:
+        """Write statements for k and -k of component i."""
+        return _write_signed_constant(block, "gain", self.gain, i)
 
-    def signed_clamp(self, block: Block, i: Operand) -> tuple[Operand, Operand]:
-        """e_max and -e_max of component i."""
-        return _signed(block, "e_max", self.e_max, i)
+    def write_signed_e_max(self, block: Block, i: Operand) -> tuple[Operand, Operand]:
+        """Write statements for e_max and -e_max of component i."""
+        return _write_signed_constant(block, "e_max", self.e_max, i)
 
-    def share(self, block: Block, i: Operand) -> Operand:
-        """c of component i."""
-        return _of_component(block, "least_share", self.shares, i)
+    def write_clamp_share(self, block: Block, i: Operand) -> Operand:
+        """Write statements for c = (1 - e_max)/2 of component i."""
+        return _write_constant(block, "least_share", self.clamp_shares, i)
 
-    def limit(self, block: Block, i: Operand) -> Operand | None:
-        """u_max of component i; None where u is not limited."""
-        return None if self.u_max is None or self.scales else block.let("u_limit", Load("u_max", i))
+    def write_u_max(self, block: Block, i: Operand) -> Operand | None:
+        """Write statements for u_max of component i; None where no component is saturated by itself."""
+        return None if self.u_max is None or self.scales_input else block.let("u_limit", Load("u_max", i))
 
 
-def _of_component(block: Block, name: str, values: tuple[Fraction, ...], i: Operand) -> Operand:
-    """One of the values: the constant where all agree, else from the table of that name."""
+def _write_constant(block: Block, name: str, values: tuple[Fraction, ...], i: Operand) -> Operand:
+    """Write statements for component i of `values`: the constant where all are equal, else an entry of the table `name`."""
     return real(values[0]) if len(set(values)) == 1 else block.let(f"{name}_i", Load(name, i))
 
 
-def _signed(block: Block, name: str, values: tuple[Fraction, ...], i: Operand) -> tuple[Operand, Operand]:
-    value = _of_component(block, name, values, i)
+def _write_signed_constant(block: Block, name: str, values: tuple[Fraction, ...], i: Operand) -> tuple[Operand, Operand]:
+    """Write statements for component i of `values`, and for its negative."""
+    value = _write_constant(block, name, values, i)
     return value, real(-values[0]) if isinstance(value, Const) else block.op(f"{name}_minus", "neg", value)
 
 
-def control_law_of(task: Task) -> Law:
-    """The law with the task's constants. Raises `BadInput` when u or a constant would leave the scalar's range."""
+def build_control_law(task: Task) -> ControlLaw:
+    """Build the law with the task's constants. Raises `BadInput` when u or a constant would leave the scalar's range."""
+    _require_scalar_holds_law(task)
+    normalized, transformed, control_input = _build_kernels()
+    return ControlLaw(
+        normalized_error=normalized,
+        transformed_error=with_inline_logarithm(transformed) if task.emit.math == "inline" else transformed,
+        control_input=control_input,
+        gain=task.gain,
+        e_max=task.e_max,
+        u_max=task.emitted_u_max,
+        scales_input=task.scales_input,
+    )
+
+
+def _require_scalar_holds_law(task: Task) -> None:
+    """Raise `BadInput` when u could overflow the task's scalar, or when 1 - e_max or e_max is too few of its units."""
     scalar = task.emit.scalar
     largest, roundoff = FORMATS[scalar].largest, FORMATS[scalar].roundoff
     for gain, e_max in zip(task.gain, task.e_max, strict=True):
-        steepest = abs(gain) * 2 / ((1 - e_max) / 2 * MINIMUM_WIDTH) * 64  # 64 > ln((1 - c)/c) for every c in range
-        if steepest > largest / 4:
+        largest_input = abs(gain) * 2 / ((1 - e_max) / 2 * MINIMUM_WIDTH) * 64  # 64 > ln((1 - c)/c) for every c in range
+        if largest_input > largest / 4:
             raise BadInput(
                 f"control: gain {float(gain):.6g} with e_max {float(e_max):.12g} overflows a {scalar}; "
                 "lower control.gain or control.e_max"
             )
-        coarse = (1 - e_max) / roundoff < 8 or e_max / roundoff < 1 << 12
-        if coarse:
-            side = "1" if e_max > Fraction(1, 2) else "0"
+        is_too_coarse = (1 - e_max) / roundoff < 8 or e_max / roundoff < 1 << 12
+        if is_too_coarse:
+            limit = "1" if e_max > Fraction(1, 2) else "0"
             raise BadInput(
-                f'control.e_max: {float(e_max):.12g} is too near {side} for a {scalar}; use emit.scalar = "double" or another'
+                f'control.e_max: {float(e_max):.12g} is too near {limit} for a {scalar}; use emit.scalar = "double" or another'
             )
-    normalized, transformed, law = _kernels_of_the_law()
-    return Law(
-        normalized_error=normalized,
-        transformed_error=without_library(transformed) if task.emit.math == "inline" else transformed,
-        law=law,
-        gain=task.gain,
-        e_max=task.e_max,
-        u_max=task.emitted_u_max,
-        scales=task.scales_input,
-    )
 
 
 @cache  # they depend on no task
-def _kernels_of_the_law() -> tuple[Kernel, Kernel, Kernel]:
+def _build_kernels() -> tuple[Kernel, Kernel, Kernel]:
+    """Build the kernels of the normalized error, of the transformed error, and of u by (13)."""
     return (
         lower(
             control_law.normalized_error(),
@@ -143,154 +155,173 @@ def _kernels_of_the_law() -> tuple[Kernel, Kernel, Kernel]:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Place:
-    """Where x stands between its two edges: the distance to the nearer one (negative outside), whether that is the upper one,
-    and `gain` with the sign of that side (minus at the upper one); near and far, the clamped distances to both, and the width
-    that they add up to (never below MINIMUM_WIDTH); the room between the edges; whether the tube is empty in this component
-    (None where it never is)."""
+class EdgeDistances(Protocol):
+    """What the law needs of one component: the distance between its two edges, and its distances to both."""
 
-    nearest: Var
-    upper_nearer: Var
-    gain: Var
-    near: Var
-    far: Var
-    width: Var
-    room: Var
-    empty: Var | None
+    def write_raw_width(self, block: Block) -> Var: ...
+    def write_distances(self, block: Block) -> tuple[Var, Var]: ...
 
 
 @dataclass(frozen=True)
-class Between:
-    """A number between two edges."""
+class ValueBetweenEdges:
+    """A number x and its two edges; x may also lie outside of them."""
 
     lower: Operand
     upper: Operand
     x: Operand
 
-    def room(self, block: Block) -> Var:
-        """Statements for how far the edges are apart."""
+    def write_raw_width(self, block: Block) -> Var:
+        """Write statements for upper - lower, which is negative or 0 where the tube is empty."""
         return block.op("room", "sub", self.upper, self.lower)
 
-    def distances(self, block: Block) -> tuple[Var, Var]:
-        """Statements for the distances to both edges."""
+    def write_distances(self, block: Block) -> tuple[Var, Var]:
+        """Write statements for x - lower and upper - x."""
         return block.op("to_lower", "sub", self.x, self.lower), block.op("to_upper", "sub", self.upper, self.x)
 
 
-class Apart(Protocol):
-    """What the law asks of a component: how far its edges are apart, and how far it is from both."""
+@dataclass(frozen=True, kw_only=True)
+class ClampedDistances:
+    """The distances of a component to its edges as the law uses them.
 
-    def room(self, block: Block) -> Var: ...
-    def distances(self, block: Block) -> tuple[Var, Var]: ...
+    `nearest` is the distance to the nearer edge, negative outside. `gain` is k, or -k where the upper edge is nearer.
+    `clamped_near` and `clamped_far` are the distances to the nearer and the farther edge after the clamp of e; they add up to
+    `width`, which is `raw_width` = upper - lower, but at least MINIMUM_WIDTH. `is_empty` says whether the raw width is at most
+    0; it is None where the caller has proved that it never is."""
+
+    nearest: Var
+    is_upper_nearer: Var
+    gain: Var
+    clamped_near: Var
+    clamped_far: Var
+    width: Var
+    raw_width: Var
+    is_empty: Var | None
 
 
-def nearest_of(block: Block, apart: Apart) -> tuple[Var, Var]:
-    """Statements for the distance to the nearer edge and whether that is the upper one. Between two edges it is above 0 just
-    where lower < x < upper: a difference of two numbers has the sign of their comparison, gradual underflow included."""
-    to_lower, to_upper = apart.distances(block)
-    upper_nearer = block.op("upper_nearer", "lt", to_upper, to_lower)
-    return block.select("nearest", upper_nearer, to_upper, to_lower), upper_nearer
+def _write_nearest_distance(block: Block, distances: EdgeDistances) -> tuple[Var, Var]:
+    """Write statements for the distance to the nearer edge, and for whether that is the upper one.
+
+    Between two edges the distance is above 0 exactly where lower < x < upper: a difference of two numbers has the sign of
+    their comparison, gradual underflow included."""
+    to_lower, to_upper = distances.write_distances(block)
+    is_upper_nearer = block.op("upper_nearer", "lt", to_upper, to_lower)
+    return block.select("nearest", is_upper_nearer, to_upper, to_lower), is_upper_nearer
 
 
-def _width(block: Block, room: Var) -> Var:
-    wide = block.op("wide", "lt", real(MINIMUM_WIDTH), room)
-    return block.select("width", wide, room, real(MINIMUM_WIDTH))
+def _write_guarded_width(block: Block, raw_width: Var) -> Var:
+    """Write statements for the width, MINIMUM_WIDTH where it is less."""
+    is_wide = block.op("wide", "lt", real(MINIMUM_WIDTH), raw_width)
+    return block.select("width", is_wide, raw_width, real(MINIMUM_WIDTH))
 
 
-def place_of(
+def write_clamped_distances(
     block: Block,
-    share: Operand,
-    apart: Apart,
+    clamp_share: Operand,
+    distances: EdgeDistances,
     signed_gain: tuple[Operand, Operand],
-    guarded: bool = True,
-) -> Place:
-    """Statements for where a component stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width, c = `share`,
-    roundings apart. A NaN counts as outside. signed_gain: k and -k. guarded=False: the caller has proved that the edges are more
-    than MINIMUM_WIDTH apart."""
-    room = apart.room(block)
-    filled = block.op("filled", "lt", real(0), room) if guarded else None
-    empty = block.op("empty", "not", filled) if filled is not None else None
-    width = _width(block, room) if guarded else room
-    nearest, upper_nearer = nearest_of(block, apart)
-    signed = block.select("gain", upper_nearer, signed_gain[1], signed_gain[0])
-    least = block.op("least", "mul", width, share)
-    if filled is None:
-        near = block.select("near", block.op("clear", "lt", least, nearest), nearest, least)
-    else:  # a narrower tube counts as widened about its middle; in an empty one, or one that is no tube, near is `least`
-        spare = block.op("spare", "mul", block.op("widened", "sub", width, room), real(Fraction(1, 2)))
-        distance = block.op("distance", "add", nearest, spare)
-        clear = block.op("clear", "and", filled, block.op("farther", "lt", least, distance))
-        near = block.select("near", clear, distance, least)
-    far = block.op("far", "sub", width, near)
-    return Place(nearest=nearest, upper_nearer=upper_nearer, gain=signed, near=near, far=far, width=width, room=room, empty=empty)
+    is_width_guarded: bool = True,
+) -> ClampedDistances:
+    """Write statements for the clamped distances of one component.
+
+    With c = `clamp_share`, the near one is within [c, 1/2] and the far one within [1/2, 1 - c] of the width, roundings apart.
+    A NaN counts as outside. signed_gain: k and -k. is_width_guarded=False: the caller has proved that the edges are more than
+    MINIMUM_WIDTH apart."""
+    raw_width = distances.write_raw_width(block)
+    is_filled = block.op("filled", "lt", real(0), raw_width) if is_width_guarded else None
+    is_empty = block.op("empty", "not", is_filled) if is_filled is not None else None
+    width = _write_guarded_width(block, raw_width) if is_width_guarded else raw_width
+    nearest, is_upper_nearer = _write_nearest_distance(block, distances)
+    gain = block.select("gain", is_upper_nearer, signed_gain[1], signed_gain[0])
+    smallest_distance = block.op("least", "mul", width, clamp_share)
+    if is_filled is None:
+        is_clear = block.op("clear", "lt", smallest_distance, nearest)
+        clamped_near = block.select("near", is_clear, nearest, smallest_distance)
+    else:  # a narrower tube counts as widened about its middle; in an empty one, or where a number is NaN, e is at its clamp
+        added_width = block.op("widened", "sub", width, raw_width)
+        distance = block.op("distance", "add", nearest, block.op("spare", "mul", added_width, real(Fraction(1, 2))))
+        is_clear = block.op("clear", "and", is_filled, block.op("farther", "lt", smallest_distance, distance))
+        clamped_near = block.select("near", is_clear, distance, smallest_distance)
+    return ClampedDistances(
+        nearest=nearest,
+        is_upper_nearer=is_upper_nearer,
+        gain=gain,
+        clamped_near=clamped_near,
+        clamped_far=block.op("far", "sub", width, clamped_near),
+        width=width,
+        raw_width=raw_width,
+        is_empty=is_empty,
+    )
 
 
-def inside_of(block: Block, place: Place) -> Var:
-    """Statements for lower < x < upper, false in an empty tube."""
-    return block.op("within", "lt", real(0), place.nearest)
+def write_is_inside(block: Block, distances: ClampedDistances) -> Var:
+    """Write statements for lower < x < upper, false in an empty tube."""
+    return block.op("within", "lt", real(0), distances.nearest)
 
 
-def not_finite(block: Block, scalars: Sequence[Var], arrays: Sequence[tuple[str, int]]) -> Var:
-    """Statements for whether a number of these is not finite: 0 times it is then NaN, and so is the sum, which is else 0 and is
-    tested once. `arrays`: names and lengths."""
+def write_has_non_finite(block: Block, scalars: Sequence[Var], arrays: Sequence[tuple[str, int]]) -> Var:
+    """Write statements for whether any of these numbers is a NaN or an infinity. `arrays`: names and lengths.
+
+    0 times such a number is NaN, and so is the sum of all these products, which else is 0: one comparison tests them all."""
     total: Operand = real(0)
     for k, scalar in enumerate(scalars):
         term = block.op(f"{scalar.name}_zero", "mul", scalar, real(0))
         total = block.op("both_zero", "add", total, term) if k else term
     for array, length in arrays:
         with block.loop("j", length) as loop:
-            zero = loop.carry("zero", total)
+            partial_sum = loop.carry("zero", total)
             term = block.op(f"{array}_zero", "mul", block.let(f"{array}_j", Load(array, loop.index)), real(0))
-            loop.update(zero, block.op("zeros", "add", zero, term))
-        total = zero
+            loop.update(partial_sum, block.op("zeros", "add", partial_sum, term))
+        total = partial_sum
     return block.op("bad", "not", block.op("finite", "le", total, real(0)))
 
 
-def _clamp(block: Block, name: str, value: Operand, low: Operand, high: Operand) -> Var:
-    """Statements for value held within [low, high]; a NaN becomes `low`, so that no NaN reaches a division."""
-    over_low = block.op(f"{name}_above", "lt", low, value)
-    raised = block.select(f"{name}_raised", over_low, value, low)
-    over = block.op(f"{name}_over", "lt", high, raised)
-    return block.select(name, over, high, raised)
+def _write_clamp(block: Block, name: str, value: Operand, low: Operand, high: Operand) -> Var:
+    """Write statements for the value clamped to [low, high]; a NaN becomes `low`, so that no NaN reaches a division."""
+    is_above_low = block.op(f"{name}_above", "lt", low, value)
+    raised = block.select(f"{name}_raised", is_above_low, value, low)
+    is_above_high = block.op(f"{name}_over", "lt", high, raised)
+    return block.select(name, is_above_high, high, raised)
 
 
-def control_component(block: Block, law: Law, place: Place, u_max: Operand | None) -> Var:
-    """Statements for one component of u: (13) on the clamped distances, 0 where the tube is empty, saturated if asked.
+def write_input(block: Block, law: ControlLaw, distances: ClampedDistances, u_max: Operand | None) -> Var:
+    """Write statements for one component of u: (13) on the clamped distances, 0 where the tube is empty, saturated by u_max.
 
     (13) is odd about the middle of the tube: measured from the upper edge, a and b change places and u its sign."""
-    epsilon, xi = block.call(law.transformed_error, place.near, place.far)
-    (push,) = block.call(law.law, place.gain, xi, epsilon, names=("push",))
-    u = push if place.empty is None else block.select("u_law", place.empty, real(0), push)
+    epsilon, xi = block.call(law.transformed_error, distances.clamped_near, distances.clamped_far)
+    (unlimited,) = block.call(law.control_input, distances.gain, xi, epsilon, names=("push",))
+    u = unlimited if distances.is_empty is None else block.select("u_law", distances.is_empty, real(0), unlimited)
     if u_max is None:
         return u
-    minus = block.op("u_min", "neg", u_max)
-    return _clamp(block, "u_held", u, minus, u_max)
+    return _write_clamp(block, "u_held", u, block.op("u_min", "neg", u_max), u_max)
 
 
-def scale_input(block: Block, law: Law, n: int) -> None:
-    """Statements that bring u, as it is stored, within u_max by one factor for all components, where it is not."""
-    if law.u_max is None or not law.scales:
+def write_input_scaling(block: Block, law: ControlLaw, n: int) -> None:
+    """Write statements that bring the stored u within u_max by one factor for all n components; none without `scales_input`."""
+    if law.u_max is None or not law.scales_input:
         return
-    most = real(law.u_max[0])
+    u_max = real(law.u_max[0])
     with block.loop("i", n) as loop:
         largest = loop.carry("largest", real(0))
         u = block.let("u_i", Load("u", loop.index))
         size = block.select("size", block.op("negative", "lt", u, real(0)), block.op("minus", "neg", u), u)
         loop.update(largest, block.select("larger", block.op("more", "lt", largest, size), size, largest))
-    factor = block.op("factor", "div", most, block.select("divisor", block.op("over", "lt", most, largest), largest, most))
+    is_beyond = block.op("over", "lt", u_max, largest)
+    factor = block.op("factor", "div", u_max, block.select("divisor", is_beyond, largest, u_max))
     with block.loop("i", n) as loop:
         scaled = block.op("scaled_u", "mul", block.let("u_law_i", Load("u", loop.index)), factor)
-        block.store("u", loop.index, _clamp(block, "u_held", scaled, real(-law.u_max[0]), most))
+        block.store("u", loop.index, _write_clamp(block, "u_held", scaled, real(-law.u_max[0]), u_max))
 
 
-def margin_component(block: Block, apart: Apart, guarded: bool = True) -> Var:
-    """Statements for the distance to the nearer edge over the width, at least -1. `guarded` as in `place_of`."""
-    room = apart.room(block)
-    width = _width(block, room) if guarded else room
-    nearest, _ = nearest_of(block, apart)
+def write_margin(block: Block, distances: EdgeDistances, is_width_guarded: bool = True) -> Var:
+    """Write statements for the distance to the nearer edge over the width, at least -1.
+
+    is_width_guarded: as in `write_clamped_distances`."""
+    raw_width = distances.write_raw_width(block)
+    width = _write_guarded_width(block, raw_width) if is_width_guarded else raw_width
+    nearest, _ = _write_nearest_distance(block, distances)
     share = block.op("share", "div", nearest, width)
-    beyond = block.op("beyond", "lt", share, real(-1))
-    return block.select("held_share", beyond, real(-1), share)
+    is_far_outside = block.op("beyond", "lt", share, real(-1))
+    return block.select("held_share", is_far_outside, real(-1), share)
 
 
 MARGIN_DOC = (
@@ -306,33 +337,16 @@ MARGINS_DOC = (
 )
 
 
-def transform_function(law: Law, n: int) -> Function:
-    """The public `transform`: e, epsilon and xi for given edges and state, clamped like `control`."""
+def build_transform(law: ControlLaw, n: int) -> Function:
+    """Build the public `transform`: e, epsilon and xi for given edges and state (n,), clamped like `control`."""
     block = Block({"lower", "upper", "x", "e", "epsilon", "xi"})
     with block.loop("i", n) as loop:
-        i = loop.index
-        lower_edge = block.let("lower_edge", Load("lower", i))
-        upper_edge = block.let("upper_edge", Load("upper", i))
-        x = block.let("x_i", Load("x", i))
-        d = place_of(block, law.share(block, i), Between(lower_edge, upper_edge, x), (real(1), real(-1)))
-        a = block.select("a", d.upper_nearer, d.far, d.near)
-        b = block.select("b", d.upper_nearer, d.near, d.far)
-        (raw,) = block.call(law.normalized_error, a, b, d.width, names=("e_raw",))
-        most, least = law.signed_clamp(block, i)
-        e = _clamp(block, "e_held", raw, least, most)
-        size, xi = block.call(law.transformed_error, d.near, d.far, names=("epsilon_near", "xi_i"))
-        epsilon = block.op("epsilon_i", "mul", d.gain, size)
-        finite_x = block.let("finite_x", IsFinite(x))
-        finite_room = block.let("finite_room", IsFinite(d.room))
-        finite = block.op("finite", "and", finite_x, finite_room)
-        for name, value in (("e", e), ("epsilon", epsilon), ("xi", xi)):
-            assert d.empty is not None
-            settled = block.select(f"{name}_settled", d.empty, real(0), value)
-            block.store(name, i, block.select(f"{name}_out", finite, settled, NAN))
+        _write_transform_of_component(block, law, loop.index)
     block.leave()
+    inputs = tuple(Param(name, n) for name in ("lower", "upper", "x"))
     return Function(
         name="transform",
-        params=tuple(Param(p, n) for p in ("lower", "upper", "x")) + tuple(Param(p, n, True) for p in ("e", "epsilon", "xi")),
+        params=inputs + tuple(Param(name, n, output=True) for name in ("e", "epsilon", "xi")),
         body=tuple(block.statements),
         returns_status=False,
         doc=(
@@ -344,3 +358,28 @@ def transform_function(law: Law, n: int) -> Function:
             "NaN where an edge, x or upper - lower is not finite.",
         ),
     )
+
+
+def _write_transform_of_component(block: Block, law: ControlLaw, i: Var) -> None:
+    """Write statements that store e, epsilon and xi of component i: 0 in an empty tube, NaN where a number is not finite."""
+    lower_edge = block.let("lower_edge", Load("lower", i))
+    upper_edge = block.let("upper_edge", Load("upper", i))
+    x = block.let("x_i", Load("x", i))
+    # With the gain (1, -1) `gain` is the sign that epsilon has: minus where the upper edge is the nearer one.
+    d = write_clamped_distances(
+        block, law.write_clamp_share(block, i), ValueBetweenEdges(lower_edge, upper_edge, x), (real(1), real(-1))
+    )
+    a = block.select("a", d.is_upper_nearer, d.clamped_far, d.clamped_near)
+    b = block.select("b", d.is_upper_nearer, d.clamped_near, d.clamped_far)
+    (raw_e,) = block.call(law.normalized_error, a, b, d.width, names=("e_raw",))
+    e_max, e_min = law.write_signed_e_max(block, i)
+    e = _write_clamp(block, "e_held", raw_e, e_min, e_max)
+    epsilon_from_nearer, xi = block.call(law.transformed_error, d.clamped_near, d.clamped_far, names=("epsilon_near", "xi_i"))
+    epsilon = block.op("epsilon_i", "mul", d.gain, epsilon_from_nearer)
+    is_x_finite = block.let("finite_x", IsFinite(x))
+    is_width_finite = block.let("finite_room", IsFinite(d.raw_width))
+    is_finite = block.op("finite", "and", is_x_finite, is_width_finite)
+    assert d.is_empty is not None
+    for name, value in (("e", e), ("epsilon", epsilon), ("xi", xi)):
+        zero_if_empty = block.select(f"{name}_settled", d.is_empty, real(0), value)
+        block.store(name, i, block.select(f"{name}_out", is_finite, zero_if_empty, NAN))

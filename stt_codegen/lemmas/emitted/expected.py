@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.controller import ticks_of
+from stt_codegen.controller import tick_constants
 from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
 from stt_codegen.lemmas.emitted.examples import (
     BOX,
@@ -58,10 +58,10 @@ def _segment_at(case: Case, point: Point) -> tuple[Any, Any, Any]:
 
 def _segment_at_tick(case: Case, tick: int) -> tuple[Any, Any, Any]:
     """Return (regime, segment j, s in it) of a tick; the regime says in which stretch of the ticks it is."""
-    ticks = ticks_of(case.design, Fraction(1, 1000))
-    is_late = tick >= ticks.last
-    elapsed = (ticks.last if is_late else TICK) * ticks.numerator
-    elapsed_number = ticks.numerator * (ticks.last if is_late else tick)
+    ticks = tick_constants(case.design, Fraction(1, 1000))
+    is_late = tick >= ticks.end_tick
+    elapsed = (ticks.end_tick if is_late else TICK) * ticks.numerator
+    elapsed_number = ticks.numerator * (ticks.end_tick if is_late else tick)
     end = K * ticks.denominator
     clamped = end if elapsed_number >= end else elapsed
     segment = min(elapsed_number, end) // ticks.denominator

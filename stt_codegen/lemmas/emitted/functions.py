@@ -23,7 +23,7 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.controller import ticks_of
+from stt_codegen.controller import tick_constants
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.lemmas.emitted import expected, expected_adaptive
 from stt_codegen.lemmas.emitted.examples import FOLLOWED, SYMBOLS, Case, N, Point, Specification, cases, is_finite_point
@@ -162,8 +162,8 @@ def _start_points(case: Case) -> Iterator[Point]:
 
 
 def _tick_points(case: Case) -> Iterator[Point]:
-    ticks = ticks_of(case.design, Fraction(1, 1000))
-    for tick in (0, 1, 2400, 6750, 8999, ticks.last - 1, ticks.last, ticks.last + 1, 2**32 - 1):
+    ticks = tick_constants(case.design, Fraction(1, 1000))
+    for tick in (0, 1, 2400, 6750, 8999, ticks.end_tick - 1, ticks.end_tick, ticks.end_tick + 1, 2**32 - 1):
         yield from _states(case, {"t": tick / 1000}, {"tick": tick}, SHARES_OFF_TIES)
     yield from _bad_states({"tick": 7})
 

@@ -219,7 +219,7 @@ def _psi_by_minus_p(point: Point) -> Mapping[Any, Any]:
 
 def shipped() -> Mapping[str, Kernel]:
     """Return the kernels that are printed, by name."""
-    return dict(vars(adaptive_parts.kernels_of_the_paper()))
+    return dict(vars(adaptive_parts.build_adaptive_kernels()))
 
 
 CLAIMS = {claim.kernel: claim for claim in (*_reach_claims(), *_bump_claims(), *_update_claims(), *_edge_claims())}

@@ -186,14 +186,14 @@ def _prove_logarithm() -> Outcome:
     For y = m 2^e and s = (m - 1)/(m + 1) the logarithm ln y is e ln 2 + 2 atanh s; |s| is at most (sqrt 2 - 1)^2.
     """
     mantissa, exponent = sp.Symbol("m", positive=True), sp.Symbol("e", integer=True)
-    kernel = logarithm.without_library(lower(control_law.transformed_error()))
+    kernel = logarithm.with_inline_logarithm(lower(control_law.transformed_error()))
     epsilon, _ = formulas(kernel, {"a": a, "b": b})
     ratio = b / a
     parts = {sp.Function("exponent")(ratio): exponent, sp.Function("mantissa")(ratio): mantissa}
     s = (mantissa - 1) / (mantissa + 1)
     polynomial = sp.Rational(logarithm.C.numerator, logarithm.C.denominator) * s**2 + 2
     ln2 = sp.Rational(logarithm.LN2.numerator, logarithm.LN2.denominator)
-    s_limit = float(logarithm.FARTHEST) ** 0.5 * (1 + 2.0**-40)
+    s_limit = float(logarithm.LARGEST_Z) ** 0.5 * (1 + 2.0**-40)
     bound, c = 2.0**-14.9, arb(float(logarithm.C))
 
     def bound_less_error(v: Any, direction: int) -> Any:

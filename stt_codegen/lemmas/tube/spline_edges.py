@@ -171,14 +171,14 @@ def _prove_late() -> Outcome:
     a, b, c = sp.symbols("a b c", real=True)
     k, z = sp.symbols("K z", positive=True)
     eps = z / (1 + z)  # any number from 0 to 1
-    bound = edge_errors.late(k, eps)
+    bound = edge_errors.rounded_time_error(k, eps)
     formats = [(scalar, FORMATS[scalar], segments) for scalar in ("float", "double") for segments in (1, 48, 8192)]
     failures = []
     for scalar, number_format, segments in formats:
         design: Any = SimpleNamespace(segments=segments)
         if (
-            edge_errors.time_error(design, scalar)
-            != edge_errors.late(Fraction(segments), number_format.roundoff) + number_format.tiny
+            edge_errors.spline_time_error(design, scalar)
+            != edge_errors.rounded_time_error(Fraction(segments), number_format.roundoff) + number_format.tiny
         ):
             failures.append(f"{scalar}, {segments} segments")
     return all_of(
