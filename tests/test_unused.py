@@ -36,7 +36,6 @@ USED_ELSEWHERE = {
 
 # Names that two or more classes have today. A name leaves the list when its classes are renamed, and none is added.
 REPEATED = """
-    Row
 """
 
 

@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from stt_codegen.board.boards import Board, copy_board, rust_boards
 from stt_codegen.board.rust_images import board_objects
-from stt_codegen.compare import Row, compare_backend
+from stt_codegen.compare import ComparisonRow, compare_backend
 from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.errors import BadInput, MissingTool, SttError
 from stt_codegen.pipeline import EmittedController
@@ -216,7 +216,7 @@ def _harness(program: Program, f: Function, words: Array) -> str:
 
 def run_on_board(
     controller: EmittedController, board: Board, points: int, rust: bool = False
-) -> tuple[list[Row], dict[str, CallCost]]:
+) -> tuple[list[ComparisonRow], dict[str, CallCost]]:
     """Compare the controller on a board with the reference; return the comparison's rows, and the costs of each public function.
 
     points: how many random points, besides those at the edges.

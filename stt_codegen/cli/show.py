@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from stt_codegen.certify.missions import describe_entry
-from stt_codegen.compare import Row
+from stt_codegen.compare import ComparisonRow
 from stt_codegen.decimals import by_component
 from stt_codegen.loop import RunReport
 from stt_codegen.report import (
@@ -280,7 +280,7 @@ def _numbers(values: Sequence[float]) -> str:
     return ", ".join(f"{v:.4g}" if math.isfinite(v) else "beyond numbers" for v in values)
 
 
-def show_agreement(title: str, rows: Sequence[Row]) -> None:
+def show_agreement(title: str, rows: Sequence[ComparisonRow]) -> None:
     """Print a comparison in which every row holds as a line: the backends, and the quantity nearest to its bound."""
     nearest = max(rows, key=lambda r: r.share)
     print(
@@ -290,7 +290,7 @@ def show_agreement(title: str, rows: Sequence[Row]) -> None:
     )
 
 
-def show_rows(title: str, rows: Sequence[Row]) -> None:
+def show_rows(title: str, rows: Sequence[ComparisonRow]) -> None:
     """Print a comparison with the reference as a table."""
     heading = f"{title}: largest distance from the reference"
     table = Table(box=None, header_style="bold", title=heading, title_justify="left")

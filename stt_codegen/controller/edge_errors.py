@@ -92,7 +92,7 @@ def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
 
 
 def _blend_error(design: RefinedDesign, weights_kernel: Kernel, blend: Kernel, scalar: str) -> list[Fraction]:
-    """Bound the rounding of the weights, a kernel of s in [0, 1], and of the blend of the largest control points, by dimension."""
+    """Bound the rounding of weights, a kernel of s in [0, 1], and of the blend of the largest control points, by dimension."""
     weights = rounding_error(weights_kernel, {"s": Inexact(Fraction(0), Fraction(1))}, scalar)
     names = [v.name for v in blend.inputs]
     errors = []

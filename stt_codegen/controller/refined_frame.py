@@ -13,11 +13,12 @@ from fractions import Fraction
 from stt_codegen.controller.comments import axes_doc, inward_doc, law_doc
 from stt_codegen.controller.covered_starts import build_covered, compute_covered_starts
 from stt_codegen.controller.edge_errors import edge_error, rate_error
-from stt_codegen.controller.inertial_frame import LambdaFilter, build_inertial_functions
+from stt_codegen.controller.inertial_frame import build_inertial_functions
 from stt_codegen.controller.kernels import (
     MARGIN_DOC,
     MARGINS_DOC,
     ControlLaw,
+    LambdaFilter,
     SplineKernels,
     ValueBetweenEdges,
     begin_block_at_time,

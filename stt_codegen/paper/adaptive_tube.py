@@ -1,6 +1,6 @@
 """Section III-C: the adaptive tube (10) and its update function (11), for one dimension and one side at a time.
 
-controller/kernels/adaptive_parts.py prints these functions; the lemmas `kernels.*` and `update.*` are about them.
+controller/kernels/adaptive_kernels.py lowers these functions; the lemmas `kernels.*` and `update.*` are about them.
 
 gamma_L = smooth max(rho_L - alpha_L, beta_L),  gamma_U = smooth min(rho_U + alpha_U, beta_U)
 psi_L = beta_U - rho_L,  psi_U = rho_U - beta_L

@@ -230,7 +230,7 @@ def _design_adaptive(""",
             (
                 '    "adaptive": _OF_ADAPTIVE,',
                 """    "shapely": _KindComparison(
-        for_any_design(RefinedDesign, CasadiRefined), for_any_design(RefinedDesign, _rows_of_refined)
+        for_any_design(RefinedDesign, CasadiRefined), for_any_design(RefinedDesign, _add_rows_of_refined)
     ),
     "adaptive": _OF_ADAPTIVE,""",
             )

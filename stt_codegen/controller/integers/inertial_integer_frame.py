@@ -15,19 +15,17 @@ from typing import ClassVar
 from stt_codegen.controller.comments import axes_doc, inward_doc
 from stt_codegen.controller.covered_starts import BOUND_TABLES, write_is_between_bounds
 from stt_codegen.controller.integers.constants import integer_table
-from stt_codegen.controller.integers.frame import (
+from stt_codegen.controller.integers.frame import IntegerController, edge_params, tick_doc
+from stt_codegen.controller.integers.integer_kernels import RateScale, build_edge_and_rate_kernel, build_rate_weights_kernel
+from stt_codegen.controller.integers.integer_statements import (
     HALF_MARGIN,
     LARGEST_STATE,
     MARGIN_BITS,
     Distances,
-    IntegerController,
     StateDistances,
-    edge_params,
-    tick_doc,
     write_clamped_component,
     write_distances_of,
 )
-from stt_codegen.controller.integers.integer_kernels import RateScale, build_edge_and_rate_kernel, build_rate_weights_kernel
 from stt_codegen.decimals import by_component
 from stt_codegen.errors import BadInput
 from stt_codegen.program import INT, Block, Function, Kernel, Load, Operand, Table, Var, integer

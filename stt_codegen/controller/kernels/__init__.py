@@ -13,19 +13,22 @@ from stt_codegen.controller.kernels.adaptive_parts import (
     write_rho_and_beta,
     write_time_profile,
 )
-from stt_codegen.controller.kernels.law import (
+from stt_codegen.controller.kernels.edge_distances import (
     MARGIN_DOC,
     MARGINS_DOC,
-    ControlLaw,
     ValueBetweenEdges,
-    build_control_law,
-    build_transform,
     write_clamped_distances,
     write_has_non_finite,
-    write_input,
-    write_input_scaling,
     write_is_inside,
     write_margin,
+)
+from stt_codegen.controller.kernels.inertial_parts import FilteredDistances, InertialParts, LambdaFilter, SplinePosition
+from stt_codegen.controller.kernels.law import (
+    ControlLaw,
+    build_control_law,
+    build_transform,
+    write_input,
+    write_input_scaling,
 )
 from stt_codegen.controller.kernels.logarithm import inline_logarithm_error
 from stt_codegen.controller.kernels.spline import (
@@ -45,10 +48,14 @@ __all__ = [
     "SIDE_LABELS",
     "AdaptiveParts",
     "ControlLaw",
+    "FilteredDistances",
+    "InertialParts",
+    "LambdaFilter",
     "SplineKernels",
+    "SplinePosition",
     "TimeProfile",
     "ValueBetweenEdges",
-    "adaptive_parts",
+    "adaptive_kernels",
     "alpha_cap",
     "begin_block_at_time",
     "build_adaptive_tables",

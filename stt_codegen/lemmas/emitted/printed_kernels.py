@@ -15,7 +15,7 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.controller.kernels import adaptive_parts
+from stt_codegen.controller.kernels import adaptive_kernels
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
 from stt_codegen.paper.adaptive_tube import EXPONENT_LIMIT, MINIMUM_GAP, MINIMUM_ROOT
 from stt_codegen.paper.reach_tube import MINIMUM_REST
@@ -219,7 +219,7 @@ def _psi_by_minus_p(point: Point) -> Mapping[Any, Any]:
 
 def shipped() -> Mapping[str, Kernel]:
     """Return the kernels that are printed, by name."""
-    return dict(vars(adaptive_parts.build_adaptive_kernels()))
+    return dict(vars(adaptive_kernels.build_adaptive_kernels()))
 
 
 CLAIMS = {claim.kernel: claim for claim in (*_reach_claims(), *_bump_claims(), *_update_claims(), *_edge_claims())}

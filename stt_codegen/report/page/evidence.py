@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from stt_codegen.certify import Finding, checker
-from stt_codegen.compare import Row, compare_backend
+from stt_codegen.compare import ComparisonRow, compare_backend
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.emit import selftest_name, spelled_name
@@ -198,7 +198,7 @@ def _compare_with_reference(controller: EmittedController) -> Check:
     """Compare the compiled C with an independent reference, quantity by quantity."""
     name = "compiled C beside an independent reference"
     try:
-        rows: list[Row] = compare_backend(controller, CompiledC, RANDOM_POINTS)
+        rows: list[ComparisonRow] = compare_backend(controller, CompiledC, RANDOM_POINTS)
     except SttError as error:
         return Check(name, None, str(error).partition("\n")[0])
     worst = max(rows, key=lambda r: r.share)
