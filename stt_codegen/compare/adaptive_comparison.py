@@ -131,8 +131,8 @@ def _choose_points(controller: EmittedController, design: AdaptiveDesign, count:
 def _error_bounds(controller: EmittedController, design: AdaptiveDesign, points: _AdaptivePoints) -> dict[str, Array]:
     """Bound the error of every quantity, by the name of its row, from an error analysis of the emitted programs.
 
-    The analysis passes no error from one Newton iterate to the next: Newton's map has slope zero at the root, so that error enters
-    the next one squared."""
+    The analysis passes no error from one Newton iterate to the next: Newton's map has slope zero at the root, so that error
+    enters the next iterate squared."""
     t, with_alpha = {"t": points.t}, {"t": points.t, "alpha": points.alpha}
     with_state = {**with_alpha, "x": points.x}
     probe = Runner(probe_program(controller.task, design)).run("probe", t)

@@ -9,7 +9,8 @@ of its terms; L is the edge of the tube and L' its rate.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -88,7 +89,8 @@ def _add_tick_rows(rows: RowCollector, design: RefinedDesign, compared: Compared
     add_law_rows(rows, controller, TubeWithErrors(low, high, edge_errors), x, computed, label=" at a tick")
 
 
-class _InertialPoints(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class _InertialPoints:
     """Times (P,), states x and v as the backend takes them, and the exact z; the tubes that x and z must be in."""
 
     t: Array
@@ -142,7 +144,8 @@ def _choose_inertial_points(
     distance_error = edge_error + 8 * eps * term_sizes
     # An error of lambda x by `distance_error` is one of x by that over lambda.
     tube = TubeWithErrors(low, high, distance_error / lambda_)
-    return _InertialPoints(t, x, v, z, tube, TubeWithErrors(filtered_low, filtered_high, distance_error))
+    filtered_tube = TubeWithErrors(filtered_low, filtered_high, distance_error)
+    return _InertialPoints(t=t, x=x, v=v, z=z, tube=tube, filtered_tube=filtered_tube)
 
 
 def _add_inertial_margin_rows(rows: RowCollector, compared: ComparedBackend, points: _InertialPoints) -> None:
