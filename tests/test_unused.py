@@ -34,10 +34,6 @@ USED_ELSEWHERE = {
     "_Console.on_broken_pipe": "rich",
 }
 
-# Names that two or more classes have today. A name leaves the list when its classes are renamed, and none is added.
-REPEATED = """
-"""
-
 
 def module_of(folder: Path, path: Path) -> Module:
     parts = path.relative_to(folder).with_suffix("").parts
@@ -228,8 +224,7 @@ def repeated_classes(sources: list[str]) -> set[str]:
 def test_a_name_stands_for_one_class() -> None:
     """The stand-alone checker shares nothing with the package, and so may share its names."""
     repeated = repeated_classes([p.read_text() for p in PACKAGE if "checker" not in p.relative_to(ROOT).with_suffix("").parts])
-    assert repeated - set(REPEATED.split()) == set(), "give the new class another name"
-    assert set(REPEATED.split()) - repeated == set(), "take it off the list"
+    assert repeated == set(), "give the new class another name"
 
 
 def test_classes_of_one_name_are_seen() -> None:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from stt_codegen.certify import Certificate
 from stt_codegen.certify.missions import phases
 from stt_codegen.controller import start_share
-from stt_codegen.controller.integers import RECIPROCAL_PIECE_BITS, H_PIECE_BITS, build_integer_law
+from stt_codegen.controller.integers import H_PIECE_BITS, RECIPROCAL_PIECE_BITS, build_integer_law
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.emit.naming import phase_name, selftest_name
