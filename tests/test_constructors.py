@@ -1,4 +1,4 @@
-"""A constructor that takes more than five values takes them by name: two exchanged numbers in a row are seen by nobody."""
+"""A constructor that takes more than five values takes them by name, as nobody notices two exchanged numbers in a long call."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import pytest
 from tests.support.controllers import ROOT
 
 PACKAGE = ROOT / "stt_codegen"
-MOST_POSITIONAL = 5
+POSITIONAL_LIMIT = 5
 
-# A lemma is written as it is read: name, words, formula, assumptions, source, proof. No class is added.
+# Arguments of a lemma are in reading order: name, words, formula, assumptions, source, proof. No class may be added.
 POSITIONAL = """
     lemmas/lemma.py:Lemma
 """
 
 
-def positional(node: ast.ClassDef) -> int:
-    """How many values the constructor of a class takes without their names, of its own fields or of its `__init__`."""
-    written = next((f for f in node.body if isinstance(f, ast.FunctionDef) and f.name == "__init__"), None)
-    if written is not None:
-        return len(written.args.posonlyargs) + len(written.args.args) - 1
+def count_positional(node: ast.ClassDef) -> int:
+    """Return how many values the constructor of a class, by its fields or its `__init__`, takes by position."""
+    initializer = next((f for f in node.body if isinstance(f, ast.FunctionDef) and f.name == "__init__"), None)
+    if initializer is not None:
+        return len(initializer.args.posonlyargs) + len(initializer.args.args) - 1
     decorators = " ".join(ast.unparse(d) for d in node.decorator_list)
     named_tuple = any(ast.unparse(base).endswith("NamedTuple") for base in node.bases)
     if "kw_only=True" in decorators or not ("dataclass" in decorators or named_tuple):
@@ -36,30 +36,31 @@ def positional(node: ast.ClassDef) -> int:
     return count
 
 
-def with_many(texts: dict[str, str]) -> Iterator[str]:
+def classes_with_many_positional(texts: dict[str, str]) -> Iterator[str]:
+    """Yield file and name of every class whose constructor takes too many values by position."""
     for name, text in texts.items():
         for node in ast.walk(ast.parse(text)):
-            if isinstance(node, ast.ClassDef) and positional(node) > MOST_POSITIONAL:
+            if isinstance(node, ast.ClassDef) and count_positional(node) > POSITIONAL_LIMIT:
                 yield f"{name}:{node.name}"
 
 
 def sources() -> dict[str, str]:
-    """The package; the stand-alone checker shares nothing with it, and so not its rules."""
+    """Return texts of the package by path, without the stand-alone checker, which has its own rules."""
     paths = (path.relative_to(PACKAGE) for path in sorted(PACKAGE.rglob("*.py")))
     return {str(path): (PACKAGE / path).read_text() for path in paths if "checker" not in path.with_suffix("").parts}
 
 
-def test_many_values_are_given_by_name() -> None:
-    found = set(with_many(sources()))
-    assert found - set(POSITIONAL.split()) == set(), "make its fields keyword-only: @dataclass(frozen=True, kw_only=True)"
-    assert set(POSITIONAL.split()) - found == set(), "take it off the list"
+def test_constructors_with_many_values_take_them_by_name() -> None:
+    classes = set(classes_with_many_positional(sources()))
+    assert classes - set(POSITIONAL.split()) == set(), "make its fields keyword-only: @dataclass(frozen=True, kw_only=True)"
+    assert set(POSITIONAL.split()) - classes == set(), "take it off the list"
 
 
 SIX = "; ".join(f"f{k}: int" for k in range(6))
 
 
 @pytest.mark.parametrize(
-    ("text", "is_seen"),
+    ("text", "is_reported"),
     [
         (f"@dataclass\nclass A: {SIX}", True),
         (f"@dataclass(frozen=True)\nclass A: {SIX}", True),
@@ -72,5 +73,5 @@ SIX = "; ".join(f"f{k}: int" for k in range(6))
         ("class A:\n    def __init__(self, a, *, b, c, d, e, f): ...", False),
     ],
 )
-def test_a_long_constructor_is_seen(text: str, is_seen: bool) -> None:
-    assert bool(list(with_many({"a.py": text}))) == is_seen
+def test_a_long_constructor_is_reported(text: str, is_reported: bool) -> None:
+    assert bool(list(classes_with_many_positional({"a.py": text}))) == is_reported

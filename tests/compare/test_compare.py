@@ -1,4 +1,4 @@
-"""`compare` accepts the emitted code and finds small errors put into it; the reference itself is right."""
+"""`compare` accepts the emitted code and reports small errors in it, and its reference is right."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ def test_every_backend_is_within_its_bounds_on_every_example_task(name: str, too
     assert not [r for r in rows if not r.holds]
 
 
-def test_the_bounds_are_not_idle() -> None:
-    """At least a twentieth of every bound is used, so an error of twenty times the usual is seen (truth values apart)."""
+def test_no_bound_is_more_than_twenty_times_too_wide() -> None:
+    """Errors reach a twentieth of every bound, except for truth values, so that an error of twenty times the usual is reported."""
     for row in compare(controller_of("omni_s2").task, 10_000):
         assert row.quantity in ("status", "covered") or row.share > 0.05
 
 
-def broken(controller: EmittedController, old: str, new: str) -> EmittedController:
+def with_changed_c(controller: EmittedController, old: str, new: str) -> EmittedController:
     text = controller.files["omni_s1.c"].decode()
     assert old in text
     return replace(controller, files={**controller.files, "omni_s1.c": text.replace(old, new, 1).encode()})
 
 
-def nudged_literal(controller: EmittedController) -> tuple[str, str]:
-    """The tenth coefficient of the table, changed by four units in the last place of its largest neighbour."""
+def changed_coefficient(controller: EmittedController) -> tuple[str, str]:
+    """Return the literal of one coefficient in the table, and one that is larger by 64 units in the last place of 1."""
     text = controller.files["omni_s1.c"].decode()
     values = re.search(r"_coefficients\[140\] = \{(.*?)\};", text, re.DOTALL).group(1).split(",")
     old = values[41].strip()
@@ -65,20 +65,20 @@ MUTATIONS = [
 
 
 @pytest.mark.parametrize(("old", "new", "quantity"), MUTATIONS)
-def test_a_small_error_in_the_c_is_found_where_it_is(old: str, new: str, quantity: str) -> None:
-    controller = broken(controller_of("omni_s1"), old, new)
+def test_a_small_error_in_the_c_is_reported_for_its_quantity(old: str, new: str, quantity: str) -> None:
+    controller = with_changed_c(controller_of("omni_s1"), old, new)
     rows = compare_backend(controller, CompiledC, 3000)
     assert quantity in [r.quantity for r in rows if not r.holds]
 
 
-def test_one_changed_coefficient_is_found() -> None:
-    good = controller_of("omni_s1")
-    controller = broken(good, *nudged_literal(good))
+def test_one_changed_coefficient_is_reported() -> None:
+    emitted = controller_of("omni_s1")
+    controller = with_changed_c(emitted, *changed_coefficient(emitted))
     rows = compare_backend(controller, CompiledC, 3000)
     assert not next(r for r in rows if r.quantity == "tube").holds
 
 
-def test_points_are_of_the_backends_type_and_include_the_edges() -> None:
+def test_points_have_the_type_of_the_backend_and_include_the_edges() -> None:
     controller = controller_of("omni_s1")
     design = controller.design
     t = random_times(controller.task, np.linspace(0, 9, 33), 10_000, "float")
@@ -102,13 +102,13 @@ def test_the_reference_tube_is_the_spline_by_de_boors_recursion() -> None:
             t = (k + s) * design.prescribed_time / design.segments
             low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, [float(t)])
             for i, (a, b) in enumerate(exact_edges(design, k, s)):
-                # t itself is rounded to a double: an edge moves by its speed times that
+                # The tolerance covers the rounding of t to a double, times the speed of an edge.
                 assert abs(float(low[0, i]) - float(a)) < 1e-14
                 assert abs(float(high[0, i]) - float(b)) < 1e-14
 
 
 def test_the_reference_rate_is_the_derivative_of_the_reference_tube() -> None:
-    """Central differences; their error is h^2/6 times the third derivative, which is constant on a segment."""
+    """The error of central differences is h^2/6 times the third derivative, which is constant on a segment."""
     design = controller_of("omni_s2").design
     t = np.random.default_rng(5).uniform(0.01, 8.99, 500)
     h = 1e-5
@@ -130,7 +130,7 @@ def test_reference_imports_nothing_of_this_package() -> None:
 
 
 def test_generated_python_of_a_float_task_uses_the_float_constants() -> None:
-    """Within P7's bound of the C float, although in double arithmetic."""
+    """Its values in double arithmetic are within P7's bound of those of the C in float."""
     controller = controller_of("omni_s1", "float")
     python, c = GeneratedPython(controller), CompiledC(controller)
     t = np.linspace(-1, 10, 500).astype(np.float32).astype(float)
@@ -139,13 +139,13 @@ def test_generated_python_of_a_float_task_uses_the_float_constants() -> None:
 
 
 @pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "mission_leg1"])
-def test_among_the_points_is_a_closed_loop_that_keeps_the_tube_and_arrives(name: str) -> None:
+def test_the_points_include_a_closed_loop_that_keeps_the_tube_and_arrives(name: str) -> None:
     controller = controller_of(name)
     task, design = controller.task, controller.design
     t = random_times(task, np.linspace(0, float(task.prescribed_time), 33), 3000, "float")
     low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
-    others = np.full(low.shape, np.nan)
-    x = with_trajectory(task, t, low, high, others)
+    unset = np.full(low.shape, np.nan)
+    x = with_trajectory(task, t, low, high, unset)
     loop = ~np.isnan(x[:, 0])
     assert np.unique(t[loop]).size >= 500
     assert ((low[loop] < x[loop]) & (x[loop] < high[loop])).all()
@@ -163,8 +163,8 @@ def test_among_the_points_is_a_closed_loop_that_keeps_the_tube_and_arrives(name:
         ("omni_s1", "adaptive", {}),
     ],
 )
-def test_constants_of_their_own_in_every_component(name: str, design: str, emit: dict, u_max: object, tool) -> None:
-    """Gain, clamp and limit by component: every backend agrees with the reference, and the C reads back as its Program."""
+def test_constants_by_component_agree_in_every_backend(name: str, design: str, emit: dict, u_max: object, tool) -> None:
+    """Gain, clamp and limit differ by component. The C also reads back as its Program."""
     tool("gcc")
     task = controller_of(name).task.changed(
         tube={"design": design}, emit=emit, control={"gain": ["0.5", "0.25"], "e_max": ["0.99", "0.9"], "u_max": u_max}
@@ -172,16 +172,16 @@ def test_constants_of_their_own_in_every_component(name: str, design: str, emit:
     rows = compare(task, 300)
     assert {r.backend for r in rows} == {"CasADi", "Python", "C double", "C float"}
     assert all(r.holds for r in rows), [r for r in rows if not r.holds]
-    made = built(task)
-    assert not differences(made.program, made.files[f"{name}.h"].decode(), made.files[f"{name}.c"].decode())
-    assert ("u_max" in {t.name for t in made.program.tables}) == (u_max is not None)
-    other = built(task.changed(control={"gain": ["0.5", "0.5"], "e_max": "0.99"}))
-    assert not {"gain", "e_max", "least_share"} & {t.name for t in other.program.tables}  # where all agree they are constants
+    controller = built(task)
+    assert not differences(controller.program, controller.files[f"{name}.h"].decode(), controller.files[f"{name}.c"].decode())
+    assert ("u_max" in {t.name for t in controller.program.tables}) == (u_max is not None)
+    with_equal_components = built(task.changed(control={"gain": ["0.5", "0.5"], "e_max": "0.99"}))
+    assert not {"gain", "e_max", "least_share"} & {t.name for t in with_equal_components.program.tables}  # these are constants
 
 
 @pytest.mark.parametrize("e_max", ["0.99999", "0.9999999", "0.001"])
-def test_a_clamp_near_one_is_no_false_alarm(e_max: str, tool) -> None:
-    """1 - e loses in the reference what e was rounded by, unless it is taken from the distance to the edge."""
+def test_a_clamp_near_one_is_within_its_bounds(e_max: str, tool) -> None:
+    """The reference computes 1 - e from the distance to the edge, as 1 - e of a rounded e would have a large error."""
     tool("cc")
     task = controller_of("omni_s2", "double").task.changed(control={"e_max": e_max})
     assert not [r for r in compare_backend(built(task), CompiledC, 3000) if not r.holds]

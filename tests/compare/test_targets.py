@@ -1,5 +1,4 @@
-"""Every target language that is registered, against the reference: on a tube with ticks and a logarithm of its own, and on an adaptive
-one, whose state goes from step to step."""
+"""Every registered target language is compared with the reference, on a tube with ticks and an inline logarithm and on an adaptive one."""
 
 from __future__ import annotations
 
@@ -47,7 +46,7 @@ CART = {
     "target_set": {"lower": [3], "upper": [4]},
 }
 DOCKS = [{"name": name, "lower": [lower], "upper": [lower + 1]} for name, lower in (("near", 0.5), ("far", 2.5))]
-# For each name that templates add to the Program: what a task changes that owes it.
+# For each name that templates add to the Program: changes of `CART` that make the name part of its files.
 OWED: dict[str, dict[str, Any]] = {
     "phase": {"region": DOCKS, "mission": [{"visit": "far"}]},
     "wrap": {
@@ -65,7 +64,7 @@ OWED["wrap_tick"] = {**OWED["wrap"], "emit": {"tick_period": 0.01}}
 
 
 def owing(name: str) -> Task:
-    """Return a task, in C and Python, that owes the name."""
+    """Return a task whose files in C and Python must have the name."""
     return Task(**{key: value for key, value in {**CART, **OWED[name]}.items() if value is not None})
 
 
@@ -77,11 +76,11 @@ def adds(text: str, name: str) -> bool:
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.key)
 @pytest.mark.parametrize("name", ADDED_NAMES)
-def test_every_language_adds_the_names_that_a_task_owes_or_lacks_them_for_a_reason(target, name: str) -> None:
+def test_every_language_adds_the_names_of_a_task_or_refuses_with_a_reason(target, name: str) -> None:
     assert ADDED_NAMES[name].applies_to(owing(name))
     assert target.lacks.keys() <= ADDED_NAMES.keys()
     if name in target.lacks and not ADDED_NAMES[name].is_constant:
-        lacking = "|".join(target.lacks)  # a task may owe several
+        lacking = "|".join(target.lacks)  # files of a task may need several
         with pytest.raises(BadInput, match=f"^emit.{target.key}: .* has no `(?:{lacking})`"):
             owing(name).with_options(language=target.key)
         return
@@ -90,16 +89,18 @@ def test_every_language_adds_the_names_that_a_task_owes_or_lacks_them_for_a_reas
     assert any(adds(text, name) for text in files) == (name not in target.lacks)
 
 
-def test_a_language_that_lacks_a_function_refuses_the_tasks_that_owe_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    without = tuple(replace(target, lacks={"guard": "a trial"}) if target.key == "rust" else target for target in TARGETS)
-    monkeypatch.setattr("stt_codegen.program.targets.registry.TARGETS", without)
+def test_a_language_that_lacks_a_function_refuses_the_tasks_that_need_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    targets_without_guard = tuple(
+        replace(target, lacks={"guard": "a trial"}) if target.key == "rust" else target for target in TARGETS
+    )
+    monkeypatch.setattr("stt_codegen.program.targets.registry.TARGETS", targets_without_guard)
     task = owing("phase").with_options(language="rust")
     with pytest.raises(BadInput, match=r"^emit\.rust: Rust has no `guard`, which control\.outside needs"):
         task.changed(control={"outside": "stop"})
 
 
-def test_what_a_language_has_is_where_its_folder_says() -> None:
-    """Each language has a template for each of its files, and for integers where it has these; no two have a key or a suffix."""
+def test_every_language_has_its_templates_in_its_folder() -> None:
+    """Each language has a template for each of its files, and for integers if it has them; keys and suffixes are unique."""
     folder = ROOT / "stt_codegen" / "program" / "targets"
     names = [f"{t.key}/{kind}{s}.j2" for t in TARGETS for s in t.suffixes for kind in ("controller", *["fixed"] * t.integers)]
     packaged = [(t, t.package) for t in TARGETS if t.package]

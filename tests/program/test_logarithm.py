@@ -1,4 +1,4 @@
-"""`math = "inline"`: the written-out logarithm keeps its bound on every mantissa, in every reader; no library is linked."""
+"""`math = "inline"`: the inline logarithm keeps its bound for every mantissa, in C and Python, and links no library."""
 
 from __future__ import annotations
 
@@ -29,51 +29,51 @@ def inline(scalar: str = "float", more: str = "") -> EmittedController:
 
 
 def emitted_log(y: np.ndarray) -> np.ndarray:
-    """The emitted statements, one float32 operation at a time."""
+    """Return the logarithm by the emitted statements, one float32 operation at a time."""
     bits = y.view(np.uint32) - np.uint32(0x3F3504F3)
     e = (bits >> np.uint32(23)).astype(np.float32)
     m = ((bits & np.uint32(0x7FFFFF)) + np.uint32(0x3F3504F3)).view(np.float32)
-    one, two = np.float32(1), np.float32(2)
-    s = (m - one) / (m + one)
+    unity, two = np.float32(1), np.float32(2)
+    s = (m - unity) / (m + unity)
     return e * np.float32(math.log(2)) + s * (s * s * np.float32(float(C)) + two)
 
 
 @pytest.mark.parametrize("exponent", [0, 1, 2, 7])
-def test_the_bound_holds_for_every_mantissa_and_is_used(exponent: int) -> None:
-    """All 2^23 numbers of an octave; near 1, where the approximation is all there is, nearly all of the bound is needed."""
+def test_the_bound_holds_for_every_mantissa_and_is_nearly_reached(exponent: int) -> None:
+    """The test takes all 2^23 numbers of an octave. Near 1, where rounding is small, 95 % of the bound is reached."""
     first = np.array([2.0**exponent], np.float32).view(np.uint32)[0]
     y = np.arange(first, first + (1 << 23), dtype=np.uint32).view(np.float32)
     true = np.log(y.astype(np.float64))
-    worst = np.max(np.abs(emitted_log(y) - true) / np.maximum(true, 1e-300))
+    largest_error = np.max(np.abs(emitted_log(y) - true) / np.maximum(true, 1e-300))
     bound = float(inline_logarithm_error("float"))
-    assert worst <= bound
-    assert exponent > 0 or worst >= 0.95 * bound
+    assert largest_error <= bound
+    assert exponent > 0 or largest_error >= 0.95 * bound
 
 
-def test_below_one_by_a_rounding_the_sign_and_the_bound_hold_too() -> None:
+def test_the_bound_holds_just_below_one() -> None:
     y = np.float32(1) - np.arange(1, 64, dtype=np.float32) * np.float32(2**-24)
     true = np.log(y.astype(np.float64))
     assert np.all(np.abs(emitted_log(y) - true) <= float(inline_logarithm_error("float")) * np.abs(true))
 
 
-def test_the_approximation_error_is_proved_again_in_balls() -> None:
-    """atanh by its logarithm in Arb, over pieces of s."""
-    bound, worst = float(approximation_error()), 0.0
+def test_balls_confirm_the_approximation_error() -> None:
+    """Arb computes atanh by its logarithm, over pieces of s."""
+    bound, largest_error = float(approximation_error()), 0.0
     pieces = 4000
     end = float(2**0.5 - 1) / (2**0.5 + 1) * (1 + 1e-9)
     for k in range(1, pieces):
         s = arb(end * (k + 0.5) / pieces, end * 0.5 / pieces)
         z = s * s  # relative error: 1 - s (2 + C z) / (2 atanh s); by its derivative in s, first-order around the middle
         middle = arb(end * (k + 0.5) / pieces)
-        at = 1 - middle * (2 + arb(float(C)) * middle * middle) / (((1 + middle) / (1 - middle)).log())
+        error = 1 - middle * (2 + arb(float(C)) * middle * middle) / (((1 + middle) / (1 - middle)).log())
         slope = abs(2 * s * (arb(float(C)) - arb(2) / 3)) + 4 * s * z  # more than the derivative's size on so small s
-        worst = max(worst, float((abs(at) + slope * end / pieces).upper()))
-    assert worst <= bound * 1.02
-    assert worst >= bound * 0.95
+        largest_error = max(largest_error, float((abs(error) + slope * end / pieces).upper()))
+    assert largest_error <= bound * 1.02
+    assert largest_error >= bound * 0.95
 
 
-def test_the_emitted_c_is_the_copy_that_is_tested_here(tool, tmp_path) -> None:
-    """epsilon of `transform` against the statements above, bit for bit, over two octaves."""
+def test_the_emitted_c_computes_the_statements_tested_here(tool, tmp_path) -> None:
+    """epsilon of `transform` equals `emitted_log` bit for bit over two octaves."""
     tool("cc")
     c = CompiledC(inline())
     near = np.linspace(0.2, 0.5, 20_000, dtype=np.float32)
@@ -83,7 +83,7 @@ def test_the_emitted_c_is_the_copy_that_is_tested_here(tool, tmp_path) -> None:
     assert np.array_equal(epsilon[:, 0], -emitted_log(far / near))
 
 
-def test_another_split_breaks_the_bound() -> None:
+def test_mantissas_from_one_half_on_would_break_the_bound() -> None:
     y = np.linspace(1, 200, 10001).astype(np.float32)
     true = np.log(y.astype(np.float64))
     bits = y.view(np.uint32) - np.uint32(0x3F000000)  # mantissas from 1/2 on
@@ -95,20 +95,20 @@ def test_another_split_breaks_the_bound() -> None:
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_c_and_python_stay_within_the_bound_of_the_library_version(scalar: str) -> None:
-    ours, theirs = inline(scalar), built(parse_task(TASK).with_options(scalar=scalar))
+    with_inline, with_library = inline(scalar), built(parse_task(TASK).with_options(scalar=scalar))
     random = np.random.default_rng(3)
     number = np.float32 if scalar == "float" else np.float64
     t, x = random.uniform(0, 9, 2000).astype(number), random.uniform(0, 5, (2000, 2)).astype(number)
-    delta = float(inline_logarithm_error(scalar)) + 16 * float(FORMATS[scalar].roundoff)  # and the law's own roundings, twice 8
-    _, want = CompiledC(theirs).control(t, x)
-    for backend in (CompiledC(ours), GeneratedPython(ours)):
+    delta = float(inline_logarithm_error(scalar)) + 16 * float(FORMATS[scalar].roundoff)  # plus twice 8 roundings of the law
+    _, expected = CompiledC(with_library).control(t, x)
+    for backend in (CompiledC(with_inline), GeneratedPython(with_inline)):
         status, u = backend.control(t, x)
         if isinstance(backend, CompiledC) or scalar == "double":
-            assert np.all(np.abs(u.astype(float) - want) <= delta * np.abs(want) + 1e-30)
+            assert np.all(np.abs(u.astype(float) - expected) <= delta * np.abs(expected) + 1e-30)
         else:  # Python in double against C in float: the edges differ by roundings too
             inside = status == 0
-            assert np.max(np.abs(u - want)[inside] / np.maximum(1, np.abs(want[inside]))) < 1e-3
-        assert np.array_equal(status, CompiledC(theirs).control(t, x)[0])
+            assert np.max(np.abs(u - expected)[inside] / np.maximum(1, np.abs(expected[inside]))) < 1e-3
+        assert np.array_equal(status, CompiledC(with_library).control(t, x)[0])
 
 
 def test_no_function_of_the_library_is_called(tool, tmp_path) -> None:
@@ -121,18 +121,18 @@ def test_no_function_of_the_library_is_called(tool, tmp_path) -> None:
     assert names <= {"__stack_chk_fail", "memcpy"}
 
 
-def test_only_logarithms_are_written_out_and_the_value_stays() -> None:
+def test_only_logarithms_are_replaced_by_inline_statements() -> None:
     kernel = lower(control_law.transformed_error())
-    written = with_inline_logarithm(kernel)
-    names = [getattr(a.value, "name", "") for a in written.body]
+    inlined = with_inline_logarithm(kernel)
+    names = [getattr(a.value, "name", "") for a in inlined.body]
     assert "log" not in names
     assert names.count("exponent") == names.count("mantissa") == 1
-    assert [a for a in kernel.body if getattr(a.value, "name", "") != "log"] == [a for a in written.body if a in kernel.body]
-    assert kernel.outputs == written.outputs
+    assert [a for a in kernel.body if getattr(a.value, "name", "") != "log"] == [a for a in inlined.body if a in kernel.body]
+    assert kernel.outputs == inlined.outputs
 
 
 @pytest.mark.parametrize("design", ["adaptive", "literal"])
-def test_designs_that_need_the_library_anyway_refuse_it(design: str) -> None:
+def test_designs_that_need_exp_refuse_inline_mathematics(design: str) -> None:
     task = parse_task(TASK + '\n[emit]\nmath = "inline"\n').with_options(design)
     with pytest.raises(BadInput, match=f"emit.math.*{design} ones need exp"):
         built(task, uncertified=True)

@@ -1,5 +1,5 @@
-"""One row an operation: what a row says is enough for CasADi's reader, both printers, the C read back, balls, error bounds, SymPy and
-the cost; without it every one of them refuses."""
+"""The table of operations: one row is enough for CasADi's reader, the printers, balls, error bounds, SymPy and the cost of an operation,
+and without the row it is refused."""
 
 from __future__ import annotations
 
@@ -32,20 +32,20 @@ ASINH = Operation(
     formula=lambda sp, a: sp.asinh(a), change=("arcsinh", -math.inf),
 )  # fmt: skip
 CASES = {"asinh": (ca.asinh, ASINH, math.asinh), "sqrt": (ca.sqrt, OPERATIONS["sqrt"], math.sqrt)}
-PLACES = (1e-3, 0.3, 1.0, 2.5, 40.0)
+ARGUMENTS = (1e-3, 0.3, 1.0, 2.5, 40.0)
 
 
 @pytest.fixture(params=CASES)
 def case(request, monkeypatch):
-    """The operation's name, CasADi's function, its truth; the row is in the table."""
+    """Put the row of an operation into the table, and return its name, its function in CasADi and its true value."""
     build, row, truth = CASES[request.param]
     monkeypatch.setitem(OPERATIONS, request.param, row)
     return request.param, build, truth
 
 
 def kernel_with(name: str, build) -> Kernel:
-    """y = f(1 + x^2) - x."""
-    kernel, _ = kernel_of("bent", lambda x: build(1 + x * x) - x, 1)
+    """Return the kernel y = f(1 + x^2) - x."""
+    kernel, _ = kernel_of("shifted", lambda x: build(1 + x * x) - x, 1)
     assert name in {a.value.name for a in kernel.body if isinstance(a.value, Op)}
     return kernel
 
@@ -54,47 +54,47 @@ def kernel_with(name: str, build) -> Kernel:
 def test_without_its_row_an_operation_is_refused(name: str, monkeypatch) -> None:
     monkeypatch.delitem(OPERATIONS, name, raising=False)
     with pytest.raises(UnknownOpcode, match=f"OP_{name.upper()}"):
-        kernel_of("bent", CASES[name][0], 1)
+        kernel_of("shifted", CASES[name][0], 1)
 
 
-def test_with_its_row_it_is_printed_compiled_and_counted(case, tool, tmp_path) -> None:
+def test_with_its_row_an_operation_is_printed_compiled_and_counted(case, tool, tmp_path) -> None:
     name, build, truth = case
     kernel = kernel_with(name, build)
     for scalar, ulps in (("double", 2.0**-52), ("float", 2.0**-23)):
         program = one_function_program(kernel, scalar)
         for reader in (run_c(program, tool("gcc"), tmp_path), run_python(one_function_program(kernel, "double"))):
-            for x in PLACES:
-                given_x = struct.unpack("f", struct.pack("f", x))[0]
-                want, got = truth(1 + given_x**2) - given_x, reader([given_x])[0]
-                got = got[0] if isinstance(got, tuple) else got
-                assert abs(got - want) <= 4 * ulps * (truth(1 + given_x**2) + given_x)
+            for x in ARGUMENTS:
+                argument = struct.unpack("f", struct.pack("f", x))[0]
+                expected, value = truth(1 + argument**2) - argument, reader([argument])[0]
+                value = value[0] if isinstance(value, tuple) else value
+                assert abs(value - expected) <= 4 * ulps * (truth(1 + argument**2) + argument)
         assert cost_of(program, "f")["math"] == 1
 
 
-def test_with_its_row_it_is_enclosed_and_bounded(case) -> None:
-    """The ball holds the true value, with and without roundings; the runner's bound holds the float's error."""
+def test_with_its_row_an_operation_is_enclosed_and_bounded(case) -> None:
+    """Balls with and without roundings contain the true value, and the runner's bound covers the error of a float."""
     name, build, truth = case
     program = one_function_program(kernel_with(name, build), "float")
     printed, exact = Enclosure(program, rounding=True), Enclosure(program, rounding=False)
-    for x in PLACES:
-        (value,) = exact.kernel("bent", ball(Fraction(x)))
-        want = getattr(1 + ball(Fraction(x)) ** 2, name)() - ball(Fraction(x))
-        assert value.overlaps(want)
-        (wide,) = printed.kernel("bent", hull(x, x * 1.001))
-        assert wide.contains(want)
-        (rounded,) = printed.kernel("bent", ball(Fraction(x)))
+    for x in ARGUMENTS:
+        (value,) = exact.kernel("shifted", ball(Fraction(x)))
+        expected = getattr(1 + ball(Fraction(x)) ** 2, name)() - ball(Fraction(x))
+        assert value.overlaps(expected)
+        (wide,) = printed.kernel("shifted", hull(x, x * 1.001))
+        assert wide.contains(expected)
+        (rounded,) = printed.kernel("shifted", ball(Fraction(x)))
         assert float(rounded.rad()) > float(value.rad())
-        at = np.float32(x)
-        float_value = np.float32(np.float32(truth(float(np.float32(1) + at * at))) - at)
-        assert printed.kernel("bent", arb(float(at)))[0].contains(arb(float(float_value)))
-    points = np.array(PLACES, dtype=np.float32)
-    found = Runner(program).run("f", {"x": points[:, None].astype(np.longdouble)})["y"]
+        argument = np.float32(x)
+        float_value = np.float32(np.float32(truth(float(np.float32(1) + argument * argument))) - argument)
+        assert printed.kernel("shifted", arb(float(argument)))[0].contains(arb(float(float_value)))
+    points = np.array(ARGUMENTS, dtype=np.float32)
+    estimate = Runner(program).run("f", {"x": points[:, None].astype(np.longdouble)})["y"]
     true = np.array([truth(1 + float(v) ** 2) - float(v) for v in points])
-    assert np.all(np.abs(found.value[:, 0].astype(float) - true) <= 1e-15 * (1 + points.astype(float)) ** 2)
-    assert np.all(found.error[:, 0] > 0)
+    assert np.all(np.abs(estimate.value[:, 0].astype(float) - true) <= 1e-15 * (1 + points.astype(float)) ** 2)
+    assert np.all(estimate.error[:, 0] > 0)
 
 
-def test_with_its_row_it_is_a_formula(case) -> None:
+def test_with_its_row_an_operation_is_a_formula(case) -> None:
     name, build, _ = case
     x = sp.Symbol("x")
     (formula,) = formulas(kernel_with(name, build), {"x0": x})
@@ -106,16 +106,16 @@ def test_with_its_row_it_is_a_formula(case) -> None:
     st.fractions(min_value=0, max_value=10),
     st.fractions(min_value=0, max_value=1),
 )
-def test_the_error_bound_of_sqrt_holds(low: Fraction, more: Fraction, share: Fraction) -> None:
-    """For every argument in the range, wrong by what is allowed, the true root of the wrong argument is within the bound."""
+def test_the_error_bound_of_sqrt_holds(low: Fraction, width: Fraction, share: Fraction) -> None:
+    """For every argument in the range with the largest allowed error, the root of the wrong argument is within the bound."""
     kernel, _ = kernel_of("root", ca.sqrt, 1)
     error = low / 7
-    (found,) = rounding_error(kernel, {"x0": Inexact(low, low + more, error)}, "double")
-    at = low + share * more
-    for wrong in (at - error, at + error):
-        a, b = (ball(v).sqrt() for v in (at, wrong))
-        assert abs(a - b) <= ball(found.error)
-    assert found.low**2 <= at <= found.high**2
+    (bound,) = rounding_error(kernel, {"x0": Inexact(low, low + width, error)}, "double")
+    argument = low + share * width
+    for wrong in (argument - error, argument + error):
+        a, b = (ball(v).sqrt() for v in (argument, wrong))
+        assert abs(a - b) <= ball(bound.error)
+    assert bound.low**2 <= argument <= bound.high**2
 
 
 def test_a_rounding_bound_that_is_not_known_is_refused() -> None:
@@ -124,8 +124,8 @@ def test_a_rounding_bound_that_is_not_known_is_refused() -> None:
         rounding_error(kernel, {"x0": Inexact(Fraction(0), Fraction(1), Fraction(1))}, "float")
 
 
-def test_every_row_is_whole() -> None:
-    """A real result says how it is rounded; what has an infix sign or a call has no other; every one can be enclosed."""
+def test_every_row_is_complete() -> None:
+    """A row with a real result has a rounding bound, no row has both an infix sign and a call, and each has a ball."""
     for name, row in OPERATIONS.items():
         assert (row.ulps is not None) == (row.result is REAL and name != "real"), name
         assert not (row.infix and row.call), name

@@ -1,4 +1,4 @@
-"""The Program and its readers: every node and opcode, lowered and printed, gives the number that CasADi gives."""
+"""The Program and its readers: every node and opcode, lowered and printed, gives the number of CasADi."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ POINTS = [-2.5, -1.0, -0.75, -0.0, 0.0, 1e-3, 0.3, 0.5, 0.99, 1.0, 2.0, 7.25]
 POSITIVE = [1e-3, 0.3, 0.5, 0.99, 1.0, 2.0, 7.25]
 INSIDE = [-0.99, -0.5, 0.0, 1e-3, 0.7]
 
-# name: (expression, its domain, units in the last place allowed against CasADi in double: 0 where IEEE arithmetic is
-# exact, 1 for math functions, whose library CasADi and we share or not)
+# name: (expression, domain, allowed difference from CasADi in double, in units in the last place: 0 where IEEE arithmetic is exact, 1 for
+# math functions, whose library may be another one than CasADi's)
 BANK = {
     "add": (lambda a, b: a + b, POINTS, 0),
     "sub": (lambda a, b: a - b, POINTS, 0),
@@ -102,23 +102,23 @@ def points_of(domain: list[float], count: int) -> list[tuple[float, ...]]:
 
 
 @pytest.mark.parametrize("name", BANK)
-def test_every_opcode_through_python_and_c_in_double_gives_casadis_number(name: str, tool, tmp_path) -> None:
+def test_every_opcode_in_python_and_c_in_double_equals_casadi(name: str, tool, tmp_path) -> None:
     build, domain, ulps = BANK[name]
     count = build.__code__.co_argcount
     kernel, function = kernel_of(name, build, count)
     program = one_function_program(kernel, "double")
     readers = {"python": run_python(program), "c": run_c(program, tool("gcc"), tmp_path)}
     for x in points_of(domain, count):
-        want = float(function(*x))
+        expected = float(function(*x))
         for reader, f in readers.items():
-            got = f(x)[0]
-            got = got[0] if isinstance(got, tuple) else got
-            assert abs(got - want) <= ulps * unit_in_last_place(want, "double"), (reader, x)
+            value = f(x)[0]
+            value = value[0] if isinstance(value, tuple) else value
+            assert abs(value - expected) <= ulps * unit_in_last_place(expected, "double"), (reader, x)
 
 
 @pytest.mark.parametrize("name", BANK)
-def test_every_opcode_through_c_in_float_is_rounded_once_an_operation(name: str, compiler, tmp_path) -> None:
-    """Against double, within one unit in the last place for each operation of the kernel, at the size of its terms."""
+def test_every_opcode_in_c_in_float_is_rounded_once_an_operation(name: str, compiler, tmp_path) -> None:
+    """The difference from double is at most one unit in the last place of its terms for each operation of the kernel."""
     build, domain, _ = BANK[name]
     count = build.__code__.co_argcount
     kernel, function = kernel_of(name, build, count)
@@ -126,14 +126,14 @@ def test_every_opcode_through_c_in_float_is_rounded_once_an_operation(name: str,
     exact = [p for p in points_of(domain, count) if all(float(np.float32(v)) == v for v in p)]
     assert len(exact) >= 2
     for x in exact:
-        want = float(function(*x))
-        terms = max(1.0, abs(want), *(abs(v) for v in x)) if name in ("sub", "constants", "sq") else abs(want)
-        assert abs(f(x)[0] - want) <= (len(kernel.body) + 1) * unit_in_last_place(terms, "float"), x
+        expected = float(function(*x))
+        terms = max(1.0, abs(expected), *(abs(v) for v in x)) if name in ("sub", "constants", "sq") else abs(expected)
+        assert abs(f(x)[0] - expected) <= (len(kernel.body) + 1) * unit_in_last_place(terms, "float"), x
 
 
 @pytest.mark.parametrize("name", BANK)
 def test_every_opcode_is_enclosed_and_its_error_is_bounded(name: str) -> None:
-    """Balls hold the double of CasADi, whatever it rounds; and where every operation has an error bound, it holds the float's error."""
+    """Balls contain the double of CasADi. Where every operation has an error bound, the bound covers the error of a float."""
     build, domain, _ = BANK[name]
     count = build.__code__.co_argcount
     kernel, function = kernel_of(name, build, count)
@@ -142,18 +142,20 @@ def test_every_opcode_is_enclosed_and_its_error_is_bounded(name: str) -> None:
     points = points_of([float(np.float32(v)) for v in domain], count)
     enclosure = Enclosure(one_function_program(kernel, "double"), rounding=True)
     for x in points:
-        (found,) = enclosure.kernel(name, *(ball(Fraction(v)) for v in x))
-        assert found.contains(ball(Fraction(float(function(*x))))), x
+        (enclosed,) = enclosure.kernel(name, *(ball(Fraction(v)) for v in x))
+        assert enclosed.contains(ball(Fraction(float(function(*x))))), x
     rows = [OPERATIONS[a.value.name] for a in kernel.body if isinstance(a.value, Op)]
     single = one_function_program(kernel, "float")
     if any(row.result is REAL and row.change is None and row.spread is None for row in rows):
         with pytest.raises(NotImplementedError, match="no error bound"):
             Runner(single).run("f", {"x": np.array(points, dtype=np.longdouble)})
         return
-    found = Runner(single).run("f", {"x": np.array(points, dtype=np.longdouble)})["y"]
-    want = np.array([float(function(*x)) for x in points])
-    assert np.all(np.abs(found.value[:, 0].astype(float) - want) <= 1e-6 * (1 + np.abs(want)))  # constants of a float's program
-    assert np.all(np.isfinite(found.error))
+    estimate = Runner(single).run("f", {"x": np.array(points, dtype=np.longdouble)})["y"]
+    expected = np.array([float(function(*x)) for x in points])
+    assert np.all(
+        np.abs(estimate.value[:, 0].astype(float) - expected) <= 1e-6 * (1 + np.abs(expected))
+    )  # constants are rounded to floats
+    assert np.all(np.isfinite(estimate.error))
 
 
 def test_the_bank_covers_every_opcode_and_operation() -> None:
@@ -163,8 +165,8 @@ def test_the_bank_covers_every_opcode_and_operation() -> None:
         kernel, function = kernel_of(name, build, build.__code__.co_argcount)
         used |= {a.value.name for a in kernel.body if isinstance(a.value, Op)}
         opcodes |= {opcode_names()[function.instruction_id(k)] for k in range(function.n_instructions())}
-    frame_only = {"iadd", "imul", "ilt", "real"}  # driven by the frame test below
-    elsewhere = {
+    in_frames = {"iadd", "imul", "ilt", "real"}  # driven by the frame test below
+    in_other_tests = {
         "exponent",
         "mantissa",
         "isub",
@@ -172,23 +174,23 @@ def test_the_bank_covers_every_opcode_and_operation() -> None:
         "int",
         "tlt",
     }  # tests/program/test_logarithm.py, tests/controller/test_ticks.py
-    elsewhere |= {"ishr", "ishl", "upper", "low", "leading", "product", "short", "ineg"}  # tests/controller/test_fixed.py
-    assert used | frame_only | elsewhere == set(OPERATIONS)
+    in_other_tests |= {"ishr", "ishl", "upper", "low", "leading", "product", "short", "ineg"}  # tests/controller/test_fixed.py
+    assert used | in_frames | in_other_tests == set(OPERATIONS)
     assert set(direct_opcodes()) <= opcodes | {"OP_CONSTPOW"}
     assert {"OP_TWICE", "OP_SQ", "OP_INV", "OP_SIGN", "OP_FMIN", "OP_FMAX", "OP_IF_ELSE_ZERO"} <= opcodes
 
 
 def frame_program(scalar: str) -> Program:
-    """Every frame node at once: y = the table entry chosen by trunc(x), summed over a loop; NaN goes out early."""
+    """Return a program with every node of a frame: y sums table entries from trunc(x) on in a loop, and NaN returns early."""
     table = Table("steps", tuple(Fraction(v) for v in (1, 2, 4, 8)), 2)
     block = Block({"x", "y"})
     x = block.let("x_0", Load("x", integer(0)))
     finite = block.let("finite", IsFinite(x))
     with block.leave_when(block.op("bad", "not", finite)):
         block.store("y", integer(0), real(-1))
-    whole = block.let("whole", Trunc(x))
-    small = block.op("small", "ilt", whole, integer(2))
-    start = block.let("start", Select(small, whole, integer(2)))
+    truncated = block.let("whole", Trunc(x))
+    small = block.op("small", "ilt", truncated, integer(2))
+    start = block.let("start", Select(small, truncated, integer(2)))
     with block.loop("i", 2) as loop:
         total = loop.carry("total", real(0))
         index = block.op("index", "iadd", start, block.op("scaled", "imul", loop.index, integer(1)))
@@ -228,15 +230,15 @@ def test_every_frame_node_through_python_and_c(scalar: str, compiler, tmp_path) 
     python = run_python(program)
     values = [1.0, 2.0, 4.0, 8.0]
     for x in (0.0, 0.9, 1.5, 2.0, 3.7, 100.0, math.nan, math.inf):
-        given, result = (number * 1)(x), (number * 1)()
-        call(given, result)
+        argument, result = (number * 1)(x), (number * 1)()
+        call(argument, result)
         if math.isfinite(x):
             start = min(int(x), 2)
-            want = sum(values[start + i] * (start + i) for i in range(2))
+            expected = sum(values[start + i] * (start + i) for i in range(2))
         else:
-            want = -1.0
-        assert result[0] == want
-        assert python([x])[0] == want
+            expected = -1.0
+        assert result[0] == expected
+        assert python([x])[0] == expected
 
 
 def test_an_unknown_opcode_is_named() -> None:
@@ -245,17 +247,17 @@ def test_an_unknown_opcode_is_named() -> None:
         lower(ca.Function("f", [x], [ca.erf(x)]))
 
 
-def test_common_expressions_are_computed_once_and_dead_ones_not_at_all() -> None:
+def test_common_expressions_are_computed_once_and_unused_ones_are_dropped() -> None:
     x = ca.SX.sym("x")
     y = ca.SX.sym("y")
     unused = ca.exp(y)
-    whole = ca.Function("f", [x, y], [ca.sin(x * y) + ca.sin(y * x), unused], ["x", "y"], ["a", "b"])
-    kernel = lower(whole)
+    function = ca.Function("f", [x, y], [ca.sin(x * y) + ca.sin(y * x), unused], ["x", "y"], ["a", "b"])
+    kernel = lower(function)
     names = [a.value.name for a in kernel.body if isinstance(a.value, Op)]
     assert names.count("sin") == 1
     assert names.count("mul") == 1
-    alone = lower(ca.Function("f", [x, y], [ca.sin(x * y) + 0 * unused], ["x", "y"], ["a"]))
-    assert "exp" not in [a.value.name for a in alone.body if isinstance(a.value, Op)]
+    without_exp = lower(ca.Function("f", [x, y], [ca.sin(x * y) + 0 * unused], ["x", "y"], ["a"]))
+    assert "exp" not in [a.value.name for a in without_exp.body if isinstance(a.value, Op)]
 
 
 def test_inputs_are_never_overwritten_although_casadi_reuses_slots() -> None:
@@ -267,7 +269,7 @@ def test_inputs_are_never_overwritten_although_casadi_reuses_slots() -> None:
     assert not set(assigned) & {v.name for v in kernel.inputs}
 
 
-def test_casadis_constants_are_kept_exactly() -> None:
+def test_constants_of_casadi_stay_exact() -> None:
     x = ca.SX.sym("x")
     value = 0.1 + 2**-40
     kernel = lower(ca.Function("f", [x], [x * value]))
@@ -287,7 +289,7 @@ def test_every_operation_is_printed_by_every_printer_and_counted() -> None:
         assert sum(cost_of(Program("p", 1, "float", (), (), functions=(f,)), "f").values()) == 1
 
 
-def test_the_cost_of_a_loop_is_its_count_times_its_body_and_an_early_leave_is_no_shortcut() -> None:
+def test_the_cost_of_a_loop_is_its_count_times_its_body_without_early_returns() -> None:
     cost = cost_of(frame_program("float"), "f")
     assert cost["load"] == 1 + 2
     assert cost["mul"] == 2
@@ -313,18 +315,18 @@ def as_float32(value: float) -> float:
 
 
 @given(finite_doubles)
-def test_rounding_to_float_is_the_hardwares(value: float) -> None:
+def test_rounding_to_float_equals_that_of_the_hardware(value: float) -> None:
     try:
-        want = as_float32(value)
+        expected = as_float32(value)
     except OverflowError:
         with pytest.raises(OverflowError):
             round_to(Fraction(value), "float")
         return
-    assert float(round_to(Fraction(value), "float")) == want
+    assert float(round_to(Fraction(value), "float")) == expected
 
 
 @given(finite_doubles)
-def test_doubles_are_their_own_rounding(value: float) -> None:
+def test_rounding_a_double_to_double_changes_nothing(value: float) -> None:
     assert round_to(Fraction(value), "double") == Fraction(value)
 
 
@@ -341,7 +343,7 @@ def test_literals_read_back_exactly_and_are_shortest(value: Fraction, scalar: st
 
 
 @given(finite_doubles.filter(lambda v: 1e-30 < abs(v) < 1e30))
-def test_a_unit_in_the_last_place_is_numpys(value: float) -> None:
+def test_a_unit_in_the_last_place_equals_the_spacing_of_numpy(value: float) -> None:
     assert 2.0 ** ulp_exponent(Fraction(value), "double") == np.spacing(abs(value))
     single = np.float32(value)
     assert 2.0 ** ulp_exponent(Fraction(float(single)), "float") == np.spacing(abs(single))
@@ -351,7 +353,7 @@ def test_a_unit_in_the_last_place_is_numpys(value: float) -> None:
 
 
 def exact_and_float(kernel: Kernel, inputs: dict[str, float]) -> tuple[list[Fraction], list[float]]:
-    """The kernel's outputs in fractions, and in float32 arithmetic as the target does it."""
+    """Return the outputs of a kernel in fractions, and in the float32 arithmetic of a target."""
     true = {k: Fraction(v) for k, v in inputs.items()}
     single = {k: np.float32(v) for k, v in inputs.items()}
     apply = {"add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b, "neg": lambda a: -a}
@@ -377,15 +379,15 @@ def test_the_rounding_bound_holds_for_the_weights(s: float) -> None:
         for t, c, b in zip(true, single, bounds, strict=True):
             assert b.low <= t <= b.high
             assert abs(Fraction(c) - t) <= b.error
-            assert b.error < Fraction(1, 2**18)  # a bound that says something: 64 units in the last place of 1
+            assert b.error < Fraction(1, 2**18)  # 64 units in the last place of 1, so that the bound is not far too wide
 
 
-def test_the_rounding_reader_refuses_what_it_cannot_bound() -> None:
+def test_rounding_error_refuses_an_operation_without_a_bound() -> None:
     kernel = Kernel("k", (Var("x", REAL),), (Assign(Var("v0", REAL), Op("exp", (Var("x", REAL),))),), (Var("v0", REAL),), ("y",))
     with pytest.raises(NotImplementedError, match="exp"):
         rounding_error(kernel, {"x": Inexact(Fraction(0), Fraction(1))}, "float")
 
 
-def test_gcc_and_clang_are_both_here_in_ci(tool) -> None:
+def test_gcc_and_clang_are_both_installed_in_ci(tool) -> None:
     assert shutil.which(tool("gcc"))
     assert shutil.which(tool("clang"))

@@ -1,4 +1,4 @@
-"""C read back is the Program that was printed, literals bit for bit; any other C is found."""
+"""Printed C reads back as its Program, with literals bit for bit, and any other C is reported."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tests.support.controllers import ADAPTABLE, NAMES, ROOT, built
 
 
 @cache
-def made(name: str, design: str, scalar: str) -> EmittedController:
+def emitted_controller(name: str, design: str, scalar: str) -> EmittedController:
     return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar), uncertified=True)
 
 
@@ -28,6 +28,7 @@ PAIRS = [(n, d) for n in NAMES for d in ("refined", "adaptive", "literal") if d 
 
 
 def texts(controller: EmittedController) -> tuple[str, str]:
+    """Return header and C."""
     prefix = controller.task.name
     return controller.files[f"{prefix}.h"].decode(), controller.files[f"{prefix}.c"].decode()
 
@@ -35,11 +36,12 @@ def texts(controller: EmittedController) -> tuple[str, str]:
 @pytest.mark.parametrize("scalar", ["float", "double"])
 @pytest.mark.parametrize(("name", "design"), PAIRS)
 def test_every_emitted_file_reads_back_as_its_program(name: str, design: str, scalar: str) -> None:
-    controller = made(name, design, scalar)
+    controller = emitted_controller(name, design, scalar)
     assert differences(controller.program, *texts(controller)) == []
 
 
 def bank_texts(program: Program) -> tuple[str, str]:
+    """Return header and C of a program of the bank."""
     printer = CPrinter(program)
     parts = [*map(printer.kernel, program.kernels), *map(printer.function, program.functions)]
     header = f"#define BANK_N 1\ntypedef {program.scalar} bank_real;\n"
@@ -57,15 +59,15 @@ def test_every_operation_reads_back(name: str, scalar: str) -> None:
 TOKEN = re.compile(r"\d+\.\d*(?:e-?\d+)?F?|\b\d+\b|\b[a-zA-Z_]\w*\b|<=|&&|\|\||[-+*/<?!]")
 
 
-def mutate(code: str, place: float, data: st.DataObject) -> str:
-    """One token changed into another of its kind: a digit, an operator, an identifier of the file."""
+def mutate(code: str, position: float, data: st.DataObject) -> str:
+    """Return the code with one token, at a relative position, changed into another of its kind: a digit, an operator or an identifier."""
     begin = code.index("static")
     tokens = list(TOKEN.finditer(code, begin))
-    token = tokens[int(place * (len(tokens) - 1))]
+    token = tokens[int(position * (len(tokens) - 1))]
     text = token.group()
     if text[0].isdigit():
-        spots = [k for k, c in enumerate(text) if c.isdigit()]
-        k = data.draw(st.sampled_from(spots))
+        digits = [k for k, c in enumerate(text) if c.isdigit()]
+        k = data.draw(st.sampled_from(digits))
         new = text[:k] + str((int(text[k]) + data.draw(st.integers(1, 9))) % 10) + text[k + 1 :]
     elif text[0].isalpha() or text[0] == "_":
         new = data.draw(st.sampled_from(sorted({t.group() for t in tokens if t.group()[0].isalpha()} - {text})))
@@ -79,21 +81,21 @@ def mutate(code: str, place: float, data: st.DataObject) -> str:
     which=st.sampled_from(
         [("omni_s2", "refined", "float"), ("omni_board", "refined", "float"), ("omni_s1", "adaptive", "double")]
     ),
-    place=st.floats(0, 1),
+    position=st.floats(0, 1),
     data=st.data(),
 )
-def test_a_changed_token_is_found(which: tuple[str, str, str], place: float, data: st.DataObject) -> None:
-    controller = made(*which)
+def test_a_changed_token_is_reported(which: tuple[str, str, str], position: float, data: st.DataObject) -> None:
+    controller = emitted_controller(*which)
     header, source = texts(controller)
     plain = re.sub(r"/\*.*?\*/", " ", source, flags=re.S)
-    changed = mutate(plain, place, data)
-    if value_of(changed) == value_of(plain):
-        return  # 0.50 for 0.5, or another digit that rounds to the same number: the same C
+    changed = mutate(plain, position, data)
+    if with_rounded_literals(changed) == with_rounded_literals(plain):
+        return  # 0.50 for 0.5, or a digit that rounds to the same number, is the same C
     assert differences(controller.program, header, changed), changed_line(plain, changed)
 
 
-def value_of(code: str) -> str:
-    """The text with every literal as its number in the file's precision, so that equal C is equal text."""
+def with_rounded_literals(code: str) -> str:
+    """Return the text with every literal rounded to the precision of the file, so that equal C has equal text."""
     import numpy as np
 
     kind = np.float32 if re.search(r"\d\.\d*F", code) else np.float64

@@ -1,4 +1,4 @@
-"""Theorems for Coq: the library rests on nothing of ours, shipped controllers have theirs, what is changed has none."""
+"""Theorems for Coq: the library has no axioms of its own, Coq accepts every shipped controller, and it refuses changed files."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ pytestmark = pytest.mark.xdist_group("coq")  # the library is compiled once
 
 
 def files_of(name: str, scalar: str) -> tuple[bytes, bytes, bytes]:
-    """Task, C and certificate as they are shipped."""
+    """Return task, C and certificate of a shipped controller."""
     folder = ROOT / "generated" / name / "refined" / scalar
     return (
         (ROOT / "tasks" / f"{name}.toml").read_bytes(),
@@ -47,22 +47,22 @@ def read(name: str, scalar: str) -> Facts:
 
 
 def shipped() -> list[tuple[str, str]]:
-    """Refined controllers that theorems are written about, of all that are shipped."""
-    found = []
+    """Return name and scalar of every shipped refined controller that has a theorem."""
+    names = []
     for path in sorted((ROOT / "generated").glob("*/refined/*/*.certificate.json")):
         name, scalar = path.parents[2].name, path.parent.name
         try:
             read(name, scalar)
         except BadInput:
             continue
-        found.append((name, scalar))
-    return found
+        names.append((name, scalar))
+    return names
 
 
-# ------------------------------------------------------------------------------------------------ what is written
+# ------------------------------------------------------------------------------------------------ the text of a theorem
 
 
-def test_the_library_takes_nothing_for_granted() -> None:
+def test_the_library_has_no_axioms_or_open_proofs() -> None:
     listed = coq.library_modules()
     assert sorted(p.stem for p in (ROOT / "proof").glob("*.v")) == sorted(listed)
     for name in listed:
@@ -78,40 +78,40 @@ def test_most_example_tasks_of_order_1_have_theorems() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "scalar", "told"),
+    ("name", "scalar", "reason"),
     [
         ("courier", "float", "missions"),
         ("crane", "fixed", "controllers in integers"),
     ],
 )
-def test_what_no_theorem_is_written_about_is_said(name: str, scalar: str, told: str) -> None:
-    with pytest.raises(BadInput, match=told):
+def test_a_controller_without_a_theorem_is_refused_with_the_reason(name: str, scalar: str, reason: str) -> None:
+    with pytest.raises(BadInput, match=reason):
         read(name, scalar)
 
 
 @pytest.mark.parametrize("name", ["arm", "attitude", "base", "drone"])
-def test_with_inertia_the_theorem_is_about_the_tube_alone(name: str) -> None:
-    told = text_of(name)
-    assert b"There is no theorem yet about the closed loop with plant.order 2." in told
-    assert re.findall(rb"^Theorem (\w+)", told, re.M) == [b"emitted_tube"]
+def test_with_order_2_the_theorem_is_about_the_tube_only(name: str) -> None:
+    text = text_of(name)
+    assert b"There is no theorem yet about the closed loop with plant.order 2." in text
+    assert re.findall(rb"^Theorem (\w+)", text, re.M) == [b"emitted_tube"]
 
 
-def test_generate_writes_what_the_command_asks(tmp_path: Path) -> None:
-    """The text follows from the shipped files alone."""
-    done = run_command("generate", "tasks/trolley.toml", "--theorem", "--out", str(tmp_path))
-    assert done.returncode == 0, done.stderr
+def test_generate_writes_the_theorem_of_the_shipped_files(tmp_path: Path) -> None:
+    """The text of the theorem depends only on the shipped files."""
+    result = run_command("generate", "tasks/trolley.toml", "--theorem", "--out", str(tmp_path))
+    assert result.returncode == 0, result.stderr
     data = [ROOT / "tasks/trolley.toml", *(tmp_path / f"trolley{end}" for end in (".h", ".c", ".certificate.json"))]
     assert (tmp_path / "trolley.v").read_bytes() == theorem_text(*(p.read_bytes() for p in data))
 
 
 def text_of(name: str, task: bytes | None = None) -> bytes:
-    """What is written about a shipped controller in float, or about one of another text of its task."""
-    own, source, certificate = files_of(name, "float")
+    """Return the theorem about a shipped controller in float, or about its files with another text of the task."""
+    shipped_task, source, certificate = files_of(name, "float")
     header = (ROOT / "generated" / name / "refined" / "float" / f"{name}.h").read_bytes()
-    return theorem_text(own if task is None else task, header, source, certificate)
+    return theorem_text(shipped_task if task is None else task, header, source, certificate)
 
 
-def test_the_example_is_the_one_that_is_written() -> None:
+def test_the_example_in_proof_is_the_theorem_of_omni_s1() -> None:
     assert (ROOT / "proof" / "examples" / "omni_s1.v").read_bytes() == text_of("omni_s1")
 
 
@@ -129,58 +129,58 @@ def test_the_example_is_the_one_that_is_written() -> None:
         (b'name = "O1"', b'name = "O1"\ntiming = 0.1'),
     ],
 )
-def test_a_task_that_coq_does_not_read_has_the_theorem_about_the_tube(old: bytes, new: bytes) -> None:
+def test_a_task_text_that_coq_does_not_read_has_only_the_theorem_about_the_tube(old: bytes, new: bytes) -> None:
     task = files_of("omni_s1", "float")[0]
     assert old in task
     assert text_of("omni_s1").startswith(b"(* omni_s1.v: theorems about the controller")
-    about = text_of("omni_s1", task.replace(old, new, 1))
-    assert about.startswith(b"(* omni_s1.v: theorems about the tube")
-    assert b"there is no theorem yet about the whole C with" in b" ".join(about.split())
+    changed_text = text_of("omni_s1", task.replace(old, new, 1))
+    assert changed_text.startswith(b"(* omni_s1.v: theorems about the tube")
+    assert b"there is no theorem yet about the whole C with" in b" ".join(changed_text.split())
 
 
-def test_generate_says_where_there_is_no_theorem(tmp_path: Path) -> None:
-    done = run_command("generate", "tasks/courier.toml", "--theorem", "--out", str(tmp_path))
-    assert done.returncode == 2
-    assert "missions" in done.stderr
+def test_generate_refuses_a_task_without_a_theorem(tmp_path: Path) -> None:
+    result = run_command("generate", "tasks/courier.toml", "--theorem", "--out", str(tmp_path))
+    assert result.returncode == 2
+    assert "missions" in result.stderr
     assert list(tmp_path.iterdir()) == []
 
 
-def test_sets_reach_as_far_as_those_of_the_checker() -> None:
-    """Two readings of the task's text; the bound that the multipliers of half-spaces give is the reach itself."""
+def test_sets_have_the_same_support_as_those_of_the_checker() -> None:
+    """Both read the text of the task by themselves. For half-spaces the bound that their multipliers give is exact."""
     task = checker.Task(SHAPES.encode())
-    found = read_sets(SHAPES.encode(), task)
-    assert [bool(s.points) + 2 * bool(s.half_spaces) + 4 * is_box(s) for s in found.unsafe] == [1, 1, 2, 4, 1]
-    for (_, (points, half, own, radius)), shape in zip(task.unsafe, found.unsafe, strict=True):
-        assert (shape.radius, *(shape.axes if radius else ())) == (radius, *(own if radius else ()))
+    sets = read_sets(SHAPES.encode(), task)
+    assert [bool(s.points) + 2 * bool(s.half_spaces) + 4 * is_box(s) for s in sets.unsafe] == [1, 1, 2, 4, 1]
+    for (_, (points, half, axes, radius)), shape in zip(task.unsafe, sets.unsafe, strict=True):
+        assert (shape.radius, *(shape.axes if radius else ())) == (radius, *(axes if radius else ()))
         for normal in itertools.product((-3, -1, 0, 2), repeat=3):
-            theirs = max(map(partial(dot, normal), points)) + dot(map(abs, normal), half)
-            ours = dot(normal, [shape.extent[c > 0][i] for i, c in enumerate(normal)])
+            checker_support = max(map(partial(dot, normal), points)) + dot(map(abs, normal), half)
+            support = dot(normal, [shape.extent[c > 0][i] for i, c in enumerate(normal)])
             if shape.half_spaces:
                 shares = half_space_multipliers(shape, normal)
                 rest = [c - dot(shares, [face[i] for face, _ in shape.half_spaces]) for i, c in enumerate(normal)]
-                ours += dot(shares, [o for _, o in shape.half_spaces]) + dot(
+                support += dot(shares, [o for _, o in shape.half_spaces]) + dot(
                     rest, [shape.core_box[c > 0][i] for i, c in enumerate(rest)]
                 )
                 assert min(shares) >= 0
             elif shape.points:
-                ours += max(map(partial(dot, normal), shape.points))
-            assert ours == theirs
-    for ours, theirs in ((found.walls, task.walls), (found.goals, task.goals)):
-        assert len(ours) == len(theirs) > 0
-        for (face, offset), (normal, far) in zip(ours, theirs, strict=True):
+                support += max(map(partial(dot, normal), shape.points))
+            assert support == checker_support
+    for half_spaces, checker_half_spaces in ((sets.walls, task.walls), (sets.goals, task.goals)):
+        assert len(half_spaces) == len(checker_half_spaces) > 0
+        for (face, offset), (normal, bound) in zip(half_spaces, checker_half_spaces, strict=True):
             lead = next(i for i, c in enumerate(normal) if c)
-            assert [c * normal[lead] / face[lead] for c in (*face, offset)] == [*normal, far]
+            assert [c * normal[lead] / face[lead] for c in (*face, offset)] == [*normal, bound]
 
 
 def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
     return sum(map(operator.mul, a, b))
 
 
-def test_what_stands_in_a_text_is_no_theorem() -> None:
+def test_a_theorem_in_a_string_is_not_counted() -> None:
     text = text_of("omni_s1").decode().replace("/* omni_s1.h:", "/* \nTheorem of_all_plants\nomni_s1.h:", 1)
     assert "\nTheorem of_all_plants" in text
-    named = re.findall(r"^Theorem (\w+)", coq._without_strings(text), re.M)
-    assert named == ["controller", "closed_loop_example"]
+    theorems = re.findall(r"^Theorem (\w+)", coq._without_strings(text), re.M)
+    assert theorems == ["controller", "closed_loop_example"]
     assert coq._without_strings(text).count("\n") == text.count("\n")
 
 
@@ -193,12 +193,12 @@ def test_names_of_sets_cannot_end_the_comment() -> None:
 
 def test_without_coq_the_command_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    done = run_command("theorem", "tasks/omni_s1.toml", "generated/omni_s1/refined/float/omni_s1.c", "--json")
-    assert done.returncode == 4
-    assert "libcoq-coquelicot" in json.loads(done.stdout)["error"]
+    result = run_command("theorem", "tasks/omni_s1.toml", "generated/omni_s1/refined/float/omni_s1.c", "--json")
+    assert result.returncode == 4
+    assert "libcoq-coquelicot" in json.loads(result.stdout)["error"]
 
 
-# ------------------------------------------------------------------------------------------------ what Coq says
+# ------------------------------------------------------------------------------------------------ accepted by Coq
 
 
 @pytest.mark.slow
@@ -207,32 +207,32 @@ def test_coq_accepts_every_shipped_controller(name: str, scalar: str, tool: Call
     tool("coqc")
     source = ROOT / "generated" / name / "refined" / scalar / name
     parts = (source.with_suffix(end).read_bytes() for end in (".h", ".c", ".certificate.json"))
-    answer = coq.check_with_coq(theorem_text((ROOT / "tasks" / f"{name}.toml").read_bytes(), *parts), name)
-    assert answer.holds, answer.message
-    assert set(answer.axioms) == coq.ACCEPTED_AXIOMS
+    verdict = coq.check_with_coq(theorem_text((ROOT / "tasks" / f"{name}.toml").read_bytes(), *parts), name)
+    assert verdict.holds, verdict.message
+    assert set(verdict.axioms) == coq.ACCEPTED_AXIOMS
 
 
 @pytest.mark.slow
 def test_the_sampled_theorem_reaches_the_longest_period_of_p9(tmp_path: Path, tool: Callable[[str], str]) -> None:
-    """docs/theorem.md has it: a hair longer, and the tool refuses."""
+    """The tool refuses a period of 0.069 s; docs/theorem.md states 0.068 s."""
     tool("coqc")
     text = (ROOT / "tasks/omni_s1.toml").read_text().replace("[target_set]", "share = 0.5\n\n[target_set]")
     text = text.replace("gain = 0.5", 'gain = "auto"\nperiod = {}\n\n[plant]\nw_max = 0.05')
     for period, code in (("0.069", 3), ("0.068", 0)):
         (tmp_path / "task.toml").write_text(text.format(period))
-        done = run_command("generate", str(tmp_path / "task.toml"), "--out", str(tmp_path))
-        assert done.returncode == code, done.stderr
-    done = run_command("theorem", str(tmp_path / "task.toml"), str(tmp_path / "omni_s1.c"))
-    assert done.returncode == 0, done.stdout
-    assert "closed_loop" in done.stdout
+        result = run_command("generate", str(tmp_path / "task.toml"), "--out", str(tmp_path))
+        assert result.returncode == code, result.stderr
+    result = run_command("theorem", str(tmp_path / "task.toml"), str(tmp_path / "omni_s1.c"))
+    assert result.returncode == 0, result.stdout
+    assert "closed_loop" in result.stdout
 
 
 @pytest.mark.slow
-def test_the_command_says_yes_and_names_the_theorems(tool: Callable[[str], str]) -> None:
+def test_the_command_theorem_names_the_accepted_theorems(tool: Callable[[str], str]) -> None:
     tool("coqc")
-    done = run_command("theorem", "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2.c")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.startswith("theorem: yes: omni_s2: Coq accepts controller, closed_loop_example")
+    result = run_command("theorem", "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2.c")
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert result.stdout.startswith("theorem: yes: omni_s2: Coq accepts controller, closed_loop_example")
 
 
 PLANTS = (
@@ -250,7 +250,7 @@ CONTROLS = ("period = 0.02", "period = 2E-2\nlatency = 3.0e-3", "latency = 1\npe
 
 @pytest.mark.slow
 def test_coq_takes_the_conditions_of_a_task_as_the_checker_does(tool: Callable[[str], str]) -> None:
-    """Bounds that are missing, for all components, or by component: one lemma for each text."""
+    """There is one lemma for each text; bounds are missing, one for all components, or by component."""
     tool("coqc")
     before = (ROOT / "tasks/trolley.toml").read_text().partition("[control]")[0]
     lemmas = []
@@ -265,15 +265,15 @@ def test_coq_takes_the_conditions_of_a_task_as_the_checker_does(tool: Callable[[
             f"Lemma conditions_{len(lemmas)} : conditions_in {coq_string(text)} = Some (Conditions {expected})%Q.\nProof. vm_compute. reflexivity. Qed."
         )
     head = "From Coq Require Import QArith String List.\nFrom Stt Require Import Sound Toml.\nImport ListNotations.\nOpen Scope string_scope."
-    answer = coq.check_with_coq(
+    verdict = coq.check_with_coq(
         "\n".join([head, *lemmas, "Print Assumptions ClassicalDedekindReals.sig_forall_dec."]).encode(), "conditions"
     )
-    assert answer.holds, answer.message
+    assert verdict.holds, verdict.message
 
 
-# ------------------------------------------------------------------------------------------------ what is changed
+# ------------------------------------------------------------------------------------------------ changed files
 
-MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), what is replaced by what, where the no comes from
+MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), pattern, replacement, and the lemma or message that refuses it
     ("omni_s1", 1, rb"(_coefficients\[\d+\] = \{\s+)-?[\d.]+F", rb"\g<1>0.5F", "tube_checked"),
     ("omni_s1", 1, rb"started \* 3\.5555556F", b"started * 3.5555F", "rounding_checked"),
     ("omni_s1", 1, rb"31\.999998F", b"31.99F", "rounding_checked"),
@@ -306,28 +306,28 @@ MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), what is replaced b
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "file", "old", "new", "told"), MUTANTS)
-def test_what_is_changed_has_no_theorem(
-    name: str, file: int, old: bytes, new: bytes, told: str, tool: Callable[[str], str]
+@pytest.mark.parametrize(("name", "file", "old", "new", "refusal"), MUTANTS)
+def test_changed_files_have_no_theorem(
+    name: str, file: int, old: bytes, new: bytes, refusal: str, tool: Callable[[str], str]
 ) -> None:
-    """By what is read and by Coq alone: no hash and no checker is asked."""
+    """Reading and Coq refuse them; hashes and the checker are not used."""
     tool("coqc")
     data = list(files_of(name, "float"))
     changed = re.sub(old, new, data[file])
     assert changed != data[file]
     data[file] = changed
     try:
-        answer = coq.check_with_coq(tube_theorem_text(read_facts(*data)), name)
+        verdict = coq.check_with_coq(tube_theorem_text(read_facts(*data)), name)
     except Unread as problem:
-        assert told in str(problem)
+        assert refusal in str(problem)
         return
-    assert not answer.holds
-    assert told in answer.message
+    assert not verdict.holds
+    assert refusal in verdict.message
 
 
 @pytest.mark.slow
-def test_the_command_asks_the_checker_for_what_coq_does_not_read(tmp_path: Path, tool: Callable[[str], str]) -> None:
-    """A law of the wrong sign: table, constants and kernels of the tube are as they were."""
+def test_the_command_also_runs_the_checker_for_code_that_coq_does_not_read(tmp_path: Path, tool: Callable[[str], str]) -> None:
+    """The law has the wrong sign, while table, constants and kernels of the tube are unchanged."""
     tool("coqc")
     shutil.copytree(ROOT / "generated/omni_s1/refined/float", tmp_path / "c")
     source, proof = tmp_path / "c/omni_s1.c", tmp_path / "c/omni_s1.certificate.json"
@@ -338,6 +338,6 @@ def test_the_command_asks_the_checker_for_what_coq_does_not_read(tmp_path: Path,
     document = json.loads(proof.read_text())
     document["sha256"]["omni_s1.c"] = hashlib.sha256(source.read_bytes()).hexdigest()
     proof.write_text(json.dumps(document))
-    done = run_command("theorem", "tasks/omni_s1.toml", str(source), "--json")
-    assert done.returncode == 1
-    assert "checker: NO" in json.loads(done.stdout)["what"]
+    result = run_command("theorem", "tasks/omni_s1.toml", str(source), "--json")
+    assert result.returncode == 1
+    assert "checker: NO" in json.loads(result.stdout)["what"]
