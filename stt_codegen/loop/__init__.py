@@ -1,4 +1,4 @@
-"""Closed loops: the emitted C drives a plant under disturbances; runs, traces, pictures."""
+"""Closed loops: the emitted C drives a plant under disturbances. Runs, their traces and pictures."""
 
 from stt_codegen.loop.command import Request, RunReport, simulate
 from stt_codegen.loop.judged_sets import enlarged_sets

@@ -29,7 +29,7 @@ class JudgedSets:
     """
 
     def __init__(self, task: Task) -> None:
-        # Of two walls that are as near, the loop pushes towards the one that comes first here.
+        # Where two walls are equally near, the disturbance "nearest" acts towards the first of this list.
         walls = sorted(task.free_space.faces, key=lambda face: [-abs(c) for c in face[0]] + [-sum(face[0])])
         self.space = _unit_half_spaces([*walls, *task.space_cuts], task.dimension)
         self.target = _unit_half_spaces([*task.target.faces, *task.target_cuts], task.dimension)
@@ -62,7 +62,8 @@ def _activity(course: Course | None) -> list[float]:
 def enlarged_sets(task: Task) -> list[str]:
     """Return the unsafe sets that the loop judges by larger sets: polytopes that are grown, by a body or in time.
 
-    In four and more dimensions the faces of such a sum are not known here. So the loop may report a collision that is none.
+    In four and more dimensions the faces of such a sum are not known here. So the loop may report a collision that does not
+    happen.
     """
     has_body = any(task.half_extents)
     grown = [s for s, table in zip(task.obstacles, task.unsafe, strict=True) if (has_body or table.spread) and not s.radius]

@@ -66,8 +66,11 @@ def _is_inside(task: Task, name: str, x: Array, is_grown: bool = False) -> Flags
 
 
 def _spans(t: Array, flags: Flags, stands_at_end: bool) -> list[Span]:
-    """Return the time spans from first to last sample of every run of samples with the flag; one that reaches the last sample
-    has no end where the state stands there. One that begins at the first sample has no begin."""
+    """Return the time span of every series of samples with the flag, from its first sample to its last.
+
+    One that begins at the first sample extends to minus infinity. One that ends at the last sample extends to infinity where the
+    state stays there.
+    """
     changes: Any = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     pairs = zip(changes[::2].tolist(), (changes[1::2] - 1).tolist(), strict=True)
     endless_sample = len(t) - 1 if stands_at_end else None

@@ -29,10 +29,14 @@ def corner_plants(task: Task) -> list[Plant]:
 
 
 def _largest_couplings(task: Task) -> list[Fraction]:
-    """Return the largest |g_ij| of each row i."""
+    """Return the largest |g_ij| of each row i that the bounds allow.
+
+    Where u is scaled as a whole, g_min and g_max bound norms. Couplings are antisymmetric then, so that the symmetric part of g
+    stays the diagonal, and they are as large as g_max leaves room for.
+    """
     bounds, n = task.plant_bounds, task.dimension
     cross = [b.cross for b in bounds]
-    if task.scales_input and n > 1:  # g_min and g_max bound norms there: what couples turns, and leaves g_s as it is
+    if task.scales_input and n > 1:
         g_min, g_max = float(bounds[0].g_min), float(bounds[0].g_max)
         within_norm = Fraction(math.sqrt(max(g_max**2 - g_min**2, 0.0)) / (n - 1)) * Fraction(999, 1000)
         cross = [min(c, within_norm) for c in cross]

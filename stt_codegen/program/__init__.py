@@ -1,6 +1,6 @@
 """The Program: what is emitted, as typed single assignments (nodes.py), and everything that reads it.
 
-Large because the target languages and eight readers of one intermediate representation are here.
+Large because the target languages and all readers of one intermediate representation are here.
 """
 
 from stt_codegen.program.build import Block

@@ -278,12 +278,15 @@ class Program:
     tick: Fraction | None = None
 
     def kernel(self, name: str) -> Kernel:
+        """Return the kernel of this name."""
         return next(k for k in self.kernels if k.name == name)
 
     def function(self, name: str) -> Function:
+        """Return the public function of this name."""
         return next(f for f in self.functions if f.name == name)
 
     def table(self, name: str) -> Table:
+        """Return the table of this name."""
         return next(t for t in self.tables if t.name == name)
 
 
@@ -299,10 +302,12 @@ def uses_fixed(program: Program) -> bool:
 
 
 def real(value: Fraction | int) -> Const:
+    """Return a number as a real constant."""
     return Const(Fraction(value), REAL)
 
 
 def integer(value: int) -> Const:
+    """Return a number as an integer constant."""
     return Const(value, INT)
 
 

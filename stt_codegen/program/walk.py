@@ -66,6 +66,7 @@ class Walk(ABC):
         return outputs
 
     def operand(self, operand: Operand) -> Any:
+        """Return the value of a variable or constant."""
         return self.known[operand.name] if isinstance(operand, Var) else self.constant(operand)
 
     def value(self, expression: Expression) -> Any:

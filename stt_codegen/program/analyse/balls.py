@@ -146,9 +146,11 @@ class _Printer(PythonPrinter):
         self.in_function = False
 
     def table_name(self, name: str) -> str:
+        """Return the name of a table in the printed source."""
         return f"_T_{name}"
 
     def literal(self, constant: Const) -> str:
+        """Return the name of a constant's ball, or an integer as it is."""
         number = constant.value
         if isinstance(number, Status):
             return self._constant(f"_S_{number.name}", frozenset({number}))

@@ -70,6 +70,7 @@ class _Scope:
     definitions: dict[str, Expression] = field(default_factory=dict)
 
     def definition_of(self, operand: Operand) -> Expression | None:
+        """Return the expression that a variable was assigned; None for a constant or an input."""
         return self.definitions.get(operand.name) if isinstance(operand, Var) else None
 
 
@@ -221,6 +222,7 @@ class _RangeReader:
         return self.operand_span(chosen, narrowed_scope)
 
     def operand_span(self, operand: Operand, scope: _Scope) -> Span:
+        """Return the span of a variable, or of a constant."""
         if isinstance(operand, Const):
             return Span(int(operand.value), int(operand.value))  # type: ignore[arg-type]
         return scope.spans[operand.name]
@@ -235,6 +237,7 @@ class _RangeReader:
         return Span(int(min(values)), int(max(values)))
 
     def require_index_within(self, array: str, index: Operand, scope: _Scope) -> None:
+        """Raise `OutOfRange` where an index may be outside of its table or array."""
         indices = self.operand_span(index, scope)
         if not 0 <= indices.low <= indices.high < self.lengths[array]:
             raise OutOfRange(f"{array}[{indices.low} to {indices.high}] of {self.lengths[array]}")

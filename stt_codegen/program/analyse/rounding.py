@@ -27,6 +27,7 @@ class Inexact:
 
     @property
     def size(self) -> Fraction:
+        """The largest absolute value."""
         return max(abs(self.low), abs(self.high))
 
 

@@ -175,6 +175,7 @@ class _CReader:
                 raise Unreadable(f"a {type(node).__name__} where a table or function should be, {node.coord}")
 
     def without_prefix(self, name: str) -> str:
+        """Return a name without the task's prefix. Raises `Unreadable` where it has none."""
         if not name.startswith(f"{self.prefix}_"):
             raise Unreadable(f"the name {name} does not begin with {self.prefix}_")
         return name.removeprefix(f"{self.prefix}_")

@@ -84,6 +84,7 @@ class _PathWalk(Walk):
 
     @property
     def is_symbolic(self) -> bool:
+        """Whether the walk is in symbols, on a prescribed path."""
         return self.prescribed is not None
 
     def run(self, function: Function) -> Path:
@@ -102,6 +103,7 @@ class _PathWalk(Walk):
         return Path(outputs, result, tuple(self.decisions))
 
     def leave(self, statement: Return) -> None:
+        """Leave the function, where the statement's condition holds, by `_FunctionLeft`."""
         if statement.when is None or self.operand(statement.when):
             self.run_statements(statement.body)
             raise _FunctionLeft(None if statement.status is None else self.value(statement.status))
@@ -155,6 +157,7 @@ class _PathWalk(Walk):
         return outcome
 
     def entry(self, table: str, index: Value) -> Value:
+        """Return an entry of a table as a double, or as the symbol `table(index)`."""
         if self.is_symbolic:
             return sp.Function(table, real=True)(sp.expand(index))
         return float(self.program.table(table).values[index])

@@ -84,6 +84,7 @@ class Printer(ABC):
         raise NotImplementedError(f"{type(self).__name__} has no way to print the operation {name!r}")
 
     def is_table(self, array: str) -> bool:
+        """Whether a name is that of a table of the program."""
         return any(t.name == array for t in self.program.tables)
 
     def format_var(self, var: Var) -> str:

@@ -51,6 +51,7 @@ class CPrinter(Printer):
     # ---- names and literals
 
     def type_name(self, kind: Type) -> str:
+        """Return the name of a type in C."""
         return {REAL: self.real, INT: "int32_t", TICK: "uint32_t", BOOL: "bool", STATUS: f"{self.prefix}_status"}[kind]
 
     def literal(self, constant: Const) -> str:
@@ -77,6 +78,7 @@ class CPrinter(Printer):
     # ---- expressions
 
     def array(self, name: str) -> str:
+        """Return the name of a table, with the prefix, or of an array parameter."""
         return f"{self.prefix}_{name}" if self.is_table(name) else name
 
     def format_load(self, array: str, index: str) -> str:
@@ -192,6 +194,7 @@ class CPrinter(Printer):
     # ---- tables, kernels, functions
 
     def table(self, table: Table) -> list[str]:
+        """Return a table as a static array."""
         bits, flash = entry_bits(table) if table.type is INT else 32, f" {self.macro}_FLASH" if uses_fixed(self.program) else ""
         kind = f"uint{bits}_t" if bits < 32 else self.type_name(table.type)
         lines = [*self.comment(table.doc), f"static const {kind} {self.prefix}_{table.name}[{len(table.values)}]{flash} = {{"]
@@ -215,14 +218,17 @@ class CPrinter(Printer):
         return [*lines, "{", *self.statements(kernel.body), *stores, "}"]
 
     def function(self, function: Function) -> list[str]:
+        """Return a public function with its body."""
         return [*self.signature(function), "{", *self.statements(function.body), "}"]
 
     def prototype(self, function: Function) -> list[str]:
+        """Return the declaration of a public function, with its comment."""
         lines = [*self.comment(function.doc), *self.signature(function)]
         lines[-1] += ";"
         return lines
 
     def signature(self, function: Function) -> list[str]:
+        """Return the first lines of a public function: what it returns, its name, its parameters."""
         if function.returns_status:
             kind = f"{self.prefix}_status"
         else:
@@ -230,6 +236,7 @@ class CPrinter(Printer):
         return self.wrap(f"{kind} {self.prefix}_{function.name}(", [self.param(p) for p in function.params], ")")
 
     def param(self, param: Param) -> str:
+        """Return the declaration of a parameter."""
         if param.length is None:
             return f"{self.type_name(param.type)} {param.name}"
         factor = param.length // self.program.dimension
@@ -248,6 +255,7 @@ class CPrinter(Printer):
         return [*lines, line]
 
     def comment(self, doc: tuple[str, ...]) -> list[str]:
+        """Return lines of text as a comment."""
         if not doc:
             return []
         if len(doc) == 1:

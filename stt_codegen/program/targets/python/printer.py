@@ -54,6 +54,7 @@ class PythonPrinter(Printer):
         return shortest(round_to(value, self.program.scalar), "double")  # type: ignore[arg-type]
 
     def array(self, name: str) -> str:
+        """Return the name of a table, in capitals, or of an array parameter."""
         return name.upper() if self.is_table(name) else name
 
     def format_select(self, _select: Select, condition: str, then: str, otherwise: str) -> str:
@@ -149,10 +150,12 @@ class PythonPrinter(Printer):
         return [f"return {', '.join(parts)}"]
 
     def table(self, table: Table) -> list[str]:
+        """Return a table as a tuple, with its comment."""
         lines = [*(f"# {line}".rstrip() for line in table.doc), f"{table.name.upper()} = ("]
         return [*lines, *self.rows(table), ")"]
 
     def kernel(self, kernel: Kernel) -> list[str]:
+        """Return a kernel as a private function."""
         inputs = ", ".join(v.name for v in kernel.inputs)
         outputs = ", ".join(self.expression(o) for o in kernel.outputs)
         return [
@@ -163,6 +166,7 @@ class PythonPrinter(Printer):
         ]
 
     def function(self, function: Function) -> list[str]:
+        """Return a public function, which checks and converts its arguments first."""
         lines = [f"def {function.name}({', '.join(p.name for p in function.inputs)}):", *self.docstring(function.doc)]
         for p in function.inputs:
             scalar = f'_count("{p.name}", {p.name})' if p.type is TICK else f"float({p.name})"
@@ -173,6 +177,7 @@ class PythonPrinter(Printer):
         return [*lines, *self.statements(function.body)]
 
     def docstring(self, doc: tuple[str, ...]) -> list[str]:
+        """Return lines of text as a docstring."""
         if not doc:
             return []
         if len(doc) == 1:

@@ -29,6 +29,7 @@ class GeneratedPython(Backend):
         self.module: Any = load_module(self.program.prefix, controller.files[f"{self.program.prefix}.py"])
 
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
+        """Return what a public function gives at every point: its status or value if it has one, then its outputs."""
         call, described = getattr(self.module, function), self.program.function(function)
         rows = [call(*point) for point in zip(*inputs, strict=True)]
         alone = described.returns_real or described.returns_bool

@@ -96,9 +96,11 @@ class RustPrinter(Printer):
     # ---- names and literals
 
     def type_name(self, kind: Type) -> str:
+        """Return the name of a type in Rust."""
         return {REAL: "Real", INT: "i32", TICK: "u32", BOOL: "bool", STATUS: "Status"}[kind]
 
     def status(self, status: Status) -> str:
+        """Return the name of a status as Rust writes it: OutsideTube."""
         return "".join(word.capitalize() for word in status.name.split("_"))
 
     def literal(self, constant: Const) -> str:
@@ -115,6 +117,7 @@ class RustPrinter(Printer):
         return shortest(round_to(value, self.program.scalar), self.program.scalar)  # type: ignore[arg-type]
 
     def array(self, name: str) -> str:
+        """Return the name of a table, in capitals, or of an array parameter."""
         return name.upper() if self.is_table(name) else name
 
     # ---- expressions: operands are names and numbers, so only a negative number needs brackets
@@ -123,6 +126,7 @@ class RustPrinter(Printer):
         return f"{array}[{self.index(index)}]"
 
     def index(self, index: str) -> str:
+        """Return an index as Rust needs it, of type usize."""
         return index if index.isdigit() else f"{index} as usize"
 
     def format_select(self, _select: Select, condition: str, then: str, otherwise: str) -> str:
@@ -214,6 +218,7 @@ class RustPrinter(Printer):
     # ---- tables, kernels, functions
 
     def table(self, table: Table) -> list[str]:
+        """Return a table as a static array, with its comment."""
         head = f"static {table.name.upper()}: [Real; {len(table.values)}] = ["
         return [*self.comment(table.doc, "//"), head, *self.rows(table), "];"]
 
@@ -222,6 +227,7 @@ class RustPrinter(Printer):
         return ", ".join(self.literal(Const(v)) for v in table.values[row * table.row : (row + 1) * table.row])
 
     def kernel(self, kernel: Kernel) -> list[str]:
+        """Return a kernel as a private function; several outputs are a tuple."""
         inputs = [f"{v.name}: {self.type_name(v.type)}" for v in kernel.inputs]
         kinds, values = [self.type_name(o.type) for o in kernel.outputs], [self.expression(o) for o in kernel.outputs]
         kind, value = (kinds[0], values[0]) if len(kinds) == 1 else (f"({', '.join(kinds)})", f"({', '.join(values)})")
@@ -244,6 +250,7 @@ class RustPrinter(Printer):
         return lines
 
     def param(self, param: Param) -> str:
+        """Return the declaration of a parameter."""
         if param.length is None:
             return f"{param.name}: {self.type_name(param.type)}"
         return f"{param.name}: &{'mut ' if param.inout else ''}[Real; {param.length}]"
@@ -254,6 +261,7 @@ class RustPrinter(Printer):
         return [line] if len(line) <= 100 else [f"{name}(", *(f"    {i}," for i in inputs), f"){result} {{"]
 
     def comment(self, doc: tuple[str, ...], mark: str) -> list[str]:
+        """Return lines of text as a comment that begins with `mark`."""
         return [f"{mark} {line}".rstrip() for line in doc]
 
 

@@ -58,8 +58,8 @@ class JavaScriptPrinter(Printer):
     def array(self, name: str) -> str:
         return name.upper() if self.is_table(name) else name
 
-    def format_select(self, _select: Select, condition: str, then: str, other: str) -> str:
-        return f"{condition} ? {then} : {other}"
+    def format_select(self, _select: Select, condition: str, then: str, otherwise: str) -> str:
+        return f"{condition} ? {then} : {otherwise}"
 
     def format_finite(self, value: str) -> str:
         return f"Number.isFinite({value})"
