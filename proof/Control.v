@@ -1,33 +1,41 @@
-(* The emitted functions run: `control` and `control_tick` always end, without anything that C leaves undefined, and what they store is this formula. *)
+(* The emitted functions run: `control` and `control_tick` end for all finite inputs, without anything that C leaves undefined. What they
+   store is a formula, over any arithmetic.
+
+   Controller.v applies it to the machine's arithmetic. The formulas are those of docs/certificate-format.md (the law); Emission.v has
+   the statements. *)
 From Coq Require Import ZArith List String Bool Ascii Lia.
 From Stt Require Import Syntax Run Emission.
 Import ListNotations.
 Open Scope string_scope.
 Open Scope list_scope.
 
-(* The constants that component i goes by: where clamps differ, its own. *)
+(* The constants of component i: its own clamp share, where they differ. *)
 Definition constants_of_component (consts : constants) (i : Z) : constants :=
   Constants (dimensions consts) (time_rate consts) (last_spline_time consts) (gain_upper consts) (gain_lower consts) (gain_table consts) (limit_table consts)
     (if clamp_shares_differ consts then nth (Z.to_nat i) (clamp_share_table consts) literal_zero else clamp_share consts) (clamp_share_table consts) (is_single consts) (has_inline_log consts) (tick_constants consts).
 
+(* The values of the statements, as formulas over an arithmetic. *)
 Section Formulas.
   Variable A : arithmetic.
   Variable consts : constants.
   Notation number := (float A).
   Let literal_value := literal A.
 
+  (* The spline time of t: the product with time_rate, limited to [0, last_spline_time]. *)
   Definition spline_time (t : number) : number :=
     let started := if less_than A (literal_value literal_zero) t then t else literal_value literal_zero in
     let scaled := mul A started (literal_value (time_rate consts)) in
     if less_than A scaled (literal_value (last_spline_time consts)) then scaled else literal_value (last_spline_time consts).
+  (* The position in a segment. *)
   Definition position_in_segment (u : number) (segment : Z) : number := sub A u (of_integer A segment).
 
-  (* of a count of ticks: how many of the divisor's are passed, the segment, and the part of it *)
+  (* Of a count of ticks: the parts that have passed, the segment, the parts that have passed in it, and the position in it. *)
   Definition tick_parts (c : tick_numbers) (tick : Z) : Z := Z.min (Z.min tick (tick_limit c) * tick_multiplier c) (tick_divisor c * tick_segments c).
   Definition tick_segment (c : tick_numbers) (tick : Z) : Z := Z.min (tick_parts c tick / tick_divisor c) (tick_segments c - 1).
   Definition tick_parts_in_segment (c : tick_numbers) (tick : Z) : Z := (tick_parts c tick - tick_segment c tick * tick_divisor c)%Z.
   Definition tick_position_in_segment (c : tick_numbers) (tick : Z) : number := div A (of_integer A (tick_parts_in_segment c tick)) (literal_value (tick_divisor_real c)).
 
+  (* The weights of the four control points; `bump_factor` is 3 (1 + (1 - s) s). *)
   Definition one_minus_position s := sub A (literal_value literal_one) s.
   Definition bump_factor s := mul A (literal_value literal_three) (add A (literal_value literal_one) (mul A (one_minus_position s) s)).
   Definition weight0 s := mul A (mul A (one_minus_position s) (one_minus_position s)) (one_minus_position s).
@@ -36,15 +44,18 @@ Section Formulas.
   Definition weight3 s := mul A (mul A s s) s.
   Definition blend (w0 w1 w2 w3 q0 q1 q2 q3 : number) : number := add A (add A (mul A w0 q0) (mul A w1 q1)) (add A (mul A w2 q2) (mul A w3 q3)).
 
+  (* An edge at s, from its four control points. *)
   Definition edge (s q0 q1 q2 q3 : number) : number := blend (weight0 s) (weight1 s) (weight2 s) (weight3 s) q0 q1 q2 q3.
 
+  (* For edges L and U and state x: whether the upper edge is nearer; the distance to the nearer edge, before and after the clamp; the
+     farther one; their ratio. *)
   Definition upper_nearer (L U x : number) : bool := less_than A (sub A U x) (sub A x L).
   Definition nearest_distance (L U x : number) : number := if upper_nearer L U x then sub A U x else sub A x L.
   Definition near_distance (L U x : number) : number :=
     let least := mul A (sub A U L) (literal_value (clamp_share consts)) in if less_than A least (nearest_distance L U x) then nearest_distance L U x else least.
   Definition far_distance (L U x : number) : number := sub A (sub A U L) (near_distance L U x).
   Definition distance_ratio (L U x : number) : number := div A (far_distance L U x) (near_distance L U x).
-  (* ln y where it is written out: y = m 2^e *)
+  (* ln y where it is written out, with y = m 2^e. *)
   Definition inline_log (y : number) : number :=
     let m := mantissa_of A y in
     let s := div A (sub A m (literal_value literal_one)) (add A m (literal_value literal_one)) in
@@ -53,20 +64,23 @@ Section Formulas.
   Definition emitted_log (y : number) : number := if has_inline_log consts then inline_log y else logarithm A y.
   Definition epsilon (L U x : number) : number := negate A (emitted_log (distance_ratio L U x)).
   Definition xi (L U x : number) : number := div A (add A (literal_value literal_one) (distance_ratio L U x)) (far_distance L U x).
-  (* the gain of a component where the upper edge is nearer, and where the lower one is *)
+  (* Entry i of a table of constants. *)
   Definition table_constant (table : list decimal) (i : Z) : number := literal_value (nth (Z.to_nat i) table literal_zero).
+  (* The gain of component i where the upper edge is nearer, and where the lower one is. *)
   Definition gain_if_upper_nearer (i : Z) : number := if gains_differ consts then negate A (table_constant (gain_table consts) i) else literal_value (gain_upper consts).
   Definition gain_if_lower_nearer (i : Z) : number := if gains_differ consts then table_constant (gain_table consts) i else literal_value (gain_lower consts).
   Definition chosen_gain (high low L U x : number) : number := if upper_nearer L U x then high else low.
+  (* The input by the law (13), before it is limited. *)
   Definition unlimited_input (high low L U x : number) : number := negate A (mul A (mul A (chosen_gain high low L U x) (xi L U x)) (epsilon L U x)).
-  (* v held within a limit *)
+  (* v limited to [-m, m]. *)
   Definition saturate (m v : number) : number := let raised := if less_than A (negate A m) v then v else negate A m in if less_than A m raised then m else raised.
   Definition is_inside (L U x : number) : bool := less_than A (literal_value literal_zero) (nearest_distance L U x).
 End Formulas.
+(* The input that `control` stores for component i. *)
 Definition control_input (A : arithmetic) (consts : constants) (i : Z) (L U x : float A) : float A :=
   let v := unlimited_input A (constants_of_component consts i) (gain_if_upper_nearer A consts i) (gain_if_lower_nearer A consts i) L U x in if has_limits consts then saturate A (table_constant A (limit_table consts) i) v else v.
 
-(* what an array holds at the end: the newest store *)
+(* The number that an array has at an index after these stores: the newest one. *)
 Fixpoint last_stored {A} (x : string) (i : Z) (out : array_stores A) : option (float A) :=
   match out with [] => None | (y, j, v) :: r => if String.eqb x y then if (i =? j)%Z then Some v else last_stored x i r else last_stored x i r end.
 
@@ -77,7 +91,7 @@ Ltac reduce := cbv beta iota zeta delta
    statements_after_clock finite_test_statements dimension_loop_statements position_statements lower_statements upper_statements law_statements clamp_share_statements gain_statements limit_statements saturation_statements control_body tube_body finite_test_body blend_call
    math_library log_name].
 
-(* The integers of a text with ticks stay within 31 bits. *)
+(* The integers of a text with ticks fit 31 bits. *)
 Definition ticks_fit_31_bits (c : tick_numbers) : Prop := (0 < tick_multiplier c <= 2147483647 /\ 0 < tick_divisor c /\ 0 < tick_segments c /\ 0 <= tick_limit c <= 2147483647 /\
   tick_limit c * tick_multiplier c <= 2147483647 /\ tick_divisor c * tick_segments c <= 2147483647)%Z.
 Lemma tick_parts_range c tick : ticks_fit_31_bits c -> (0 <= tick)%Z ->
@@ -94,6 +108,7 @@ Lemma if_less_is_minimum (a b : Z) : (if (a <? b)%Z then a else b) = Z.min a b.
 Proof. destruct (Z.ltb_spec a b); lia. Qed.
 
 (* ------------------------------------------------------------------ the kernels *)
+(* What each function computes. *)
 Section Kernels.
   Variable A : arithmetic.
   Variable consts : constants.
@@ -138,6 +153,7 @@ Section Kernels.
   Proof. reflexivity. Qed.
   Lemma law_runs g x e : kernel_of_function A known_kernels (fun _ _ => None) law_function [RealValue g; RealValue x; RealValue e] = Some ([], Some (RealValue (negate A (mul A (mul A g x) e)))).
   Proof. reflexivity. Qed.
+  (* The meanings of the logarithm's helpers, or of the library's logarithm. *)
   Definition log_kernels := if has_inline_log consts
     then [("@mantissa", kernel_of_function A (("@exponent", kernel_of_function A (math_library A (log_name consts)) (fun _ _ => None) exponent_function) :: math_library A (log_name consts)) (fun _ _ => None) mantissa_function);
           ("@exponent", kernel_of_function A (math_library A (log_name consts)) (fun _ _ => None) exponent_function)] ++ math_library A (log_name consts)
@@ -152,6 +168,7 @@ Section Kernels.
 End Kernels.
 
 (* ------------------------------------------------------------------ their callers *)
+(* The statements of `control` and `control_tick` after the clock, for a segment and a position in it that come from either. *)
 Section Callers.
   Variable A : arithmetic.
   Variable consts : constants.
@@ -164,7 +181,6 @@ Section Callers.
   Hypothesis transformed_error_known : lookup_name "@transformed_error" kernels = Some transformed_error_kernel.
   Hypothesis law_known_ : lookup_name "@law" kernels = Some law_kernel.
 
-  (* the place, wherever it comes from: a segment, and s in it *)
   Variables (segment K : Z) (position : number) (coefficient x : Z -> number) (arrays : string -> Z -> option number).
   Let n := dimensions consts.
   Let row := (segment * (2 * n))%Z.
@@ -179,13 +195,15 @@ Section Callers.
   Hypothesis law_kernel_value : forall g x e, law_kernel [RealValue g; RealValue x; RealValue e] = Some ([], Some (RealValue (negate A (mul A (mul A g x) e)))).
   Hypothesis coefficients_readable : forall z, (0 <= z < 2 * n * (K + 3))%Z -> arrays "@coefficients" z = Some (coefficient z).
 
+  (* The edges of dimension i that the statements compute. *)
   Definition lower (i : Z) : number := let at_ := (row + i * 2)%Z in edge A position (coefficient at_) (coefficient (at_ + 2 * n)) (coefficient (at_ + 4 * n)) (coefficient (at_ + 6 * n)).
   Definition upper (i : Z) : number := let at_ := (row + i * 2)%Z in edge A position (coefficient (at_ + 1)) (coefficient (at_ + (2 * n + 1))) (coefficient (at_ + (4 * n + 1))) (coefficient (at_ + (6 * n + 1))).
 
+  (* The variables of segment, position and weights, above `rest`. *)
   Definition position_variables (rest : environment A) : environment A :=
     ("w3", RealValue (weight3 A position)) :: ("w2", RealValue (weight2 A position)) :: ("w1", RealValue (weight1 A position)) :: ("w0", RealValue (weight0 A position)) :: ("s", RealValue position) :: ("row", IntValue row) :: rest.
 
-  (* one statement after the other; v is found by evaluating *)
+  (* One lemma for each kind of statement: its value v is found by evaluating, and the rest of the block runs on. *)
   Lemma let_step ty y e r env out v o : expression_value A kernels arrays env e = Some v -> has_type A ty v = true ->
     run_block A (run_statement A kernels arrays) r ((y, v) :: env) out = o -> run_block A (run_statement A kernels arrays) (Let ty y e :: r) env out = o.
   Proof. intros E T H. cbn [run_block run_statement]. now rewrite E, T. Qed.
@@ -217,11 +235,11 @@ Section Callers.
   Hypothesis clamp_shares_readable : clamp_shares_differ consts = true -> forall i, (0 <= i < n)%Z -> arrays "@least_share" i = Some (table_constant A (clamp_share_table consts) i).
   Hypothesis limits_readable : has_limits consts = true -> forall i, (0 <= i < n)%Z -> arrays "@u_max" i = Some (table_constant A (limit_table consts) i).
 
-  (* the variables before the loop; those below belong to `control` or to `control_tick` alone *)
+  (* Variables before the common statements: they belong to `control` or to `control_tick`. *)
   Variable outer_variables : environment A.
   Definition variables_after_test (z : number) (f : bool) : environment A := ("bad", BoolValue (negb f)) :: ("finite", BoolValue f) :: ("zero", RealValue z) :: outer_variables.
 
-  (* a block is left by dropping what is newer, however much there is below *)
+  (* The environment ends with `inner`. Leaving a block drops newer variables, however many are below. *)
   Inductive is_suffix (inner : environment A) : environment A -> Prop := suffix_itself : is_suffix inner inner | suffix_of_longer v l : is_suffix inner l -> is_suffix inner (v :: l).
   Lemma leave_block_suffix outer inner l : is_suffix inner l -> List.length inner = List.length outer -> leave_block A outer l = inner.
   Proof.
@@ -230,7 +248,7 @@ Section Callers.
   Qed.
   Ltac left_is := apply leave_block_suffix; [repeat first [apply suffix_itself | apply suffix_of_longer] | reflexivity].
 
-  (* the variables of its loop once the edges are known, before anything that differs from text to text *)
+  (* The variables of the loop once the edges are computed, before statements that depend on tables. *)
   Definition variables_with_edges (i : Z) (outside : bool) (z : number) (f : bool) : environment A :=
     let at_ := (row + i * 2)%Z in
     [("upper_edge", RealValue (upper i)); ("upper_q3", RealValue (coefficient (at_ + (6 * n + 1)))); ("upper_3", IntValue (at_ + (6 * n + 1))%Z);
@@ -240,7 +258,7 @@ Section Callers.
      ("lower_q2", RealValue (coefficient (at_ + 4 * n))); ("lower_2", IntValue (at_ + 4 * n)%Z); ("lower_q1", RealValue (coefficient (at_ + 2 * n))); ("lower_1", IntValue (at_ + 2 * n)%Z);
      ("lower_q0", RealValue (coefficient at_)); ("at", IntValue at_); ("pair", IntValue (i * 2)%Z); ("i", IntValue i); ("outside", BoolValue outside)] ++
     position_variables (variables_after_test z f).
-  (* in one pass, for every pass leaves a term in the proof *)
+  (* Evaluates in one pass: every pass leaves a term in the proof. *)
   Ltac evaluate := cbv beta iota zeta delta [expression_value]; rewrite ?blend_known, ?law_known_; cbv beta iota zeta delta
     [position_variables variables_with_edges variables_after_test expression_value value_of values_of lookup_name apply_operator choose String.eqb Ascii.eqb Bool.eqb negb app];
     repeat first [ rewrite int32_in_range by (unfold row, n in *; nia) | rewrite coefficients_readable by (unfold row, n in *; nia) | rewrite inputs_readable by assumption
@@ -250,7 +268,7 @@ Section Callers.
     [ eapply let_step; [evaluate|reflexivity|]
     | eapply set_step; [evaluate|reflexivity|]
     | apply declare_step ].
-  (* the same with a name for the value, so that terms stay small *)
+  (* The same with a stated value, so that terms stay small. *)
   Ltac named v := eapply (let_step _ _ _ _ _ _ v); [first [reflexivity | evaluate]|reflexivity|].
 
   Lemma edge_statements_run i outside z f rest out : (0 <= i < n)%Z ->
@@ -260,6 +278,7 @@ Section Callers.
     intro Hi. cbv [lower_statements upper_statements app blend_call]. do 9 step. named (RealValue (lower i)). do 8 step. named (RealValue (upper i)). reflexivity.
   Qed.
 
+  (* The body of the loop over dimensions stores the input of component i, and sets `outside` if the state is not between the edges. *)
   Lemma control_body_runs i outside z f out : (0 <= i < n)%Z ->
     exists inner, run_block A (run_statement A kernels arrays) (control_body consts) (("i", IntValue i) :: ("outside", BoolValue outside) :: position_variables (variables_after_test z f)) out =
       Some (inner, ("u", i, control_input A consts i (lower i) (upper i) (x i)) :: out, None) /\
@@ -272,9 +291,9 @@ Section Callers.
     unfold constants_of_component. destruct (gains_differ consts) eqn:Sv; destruct (has_limits consts) eqn:Li; destruct (clamp_shares_differ consts) eqn:Cd;
       match goal with |- context [unlimited_input A ?o ?h ?l] => set (own_k := o); set (high := h); set (low := l) end; (eexists; split;
       [ cbn [app]; step;
-        (* a table of clamps *)
+        (* with a table of clamp shares *)
         try named (RealValue (table_constant A (clamp_share_table consts) i));
-        (* one of gains *)
+        (* with a table of gains *)
         try (named (RealValue low); named (RealValue high));
         do 3 step; named (@BoolValue A (upper_nearer A L U (x i))); named (RealValue (nearest_distance A L U (x i))); named (RealValue (chosen_gain A high low L U (x i)));
         do 2 step; named (RealValue (near_distance A own_k L U (x i))); named (RealValue (far_distance A own_k L U (x i))); named (@BoolValue A (is_inside A L U (x i))); step;
@@ -282,7 +301,7 @@ Section Callers.
         (eapply call_step with (rs := [RealValue (epsilon A own_k L U (x i)); RealValue (xi A own_k L U (x i))]);
           [exact transformed_error_known|reflexivity|apply transformed_error_kernel_value|reflexivity|]);
         named (RealValue (unlimited_input A own_k high low L U (x i)));
-        (* one of limits *)
+        (* with a table of limits *)
         try (do 4 step; named (RealValue (saturate A (table_constant A (limit_table consts) i) (unlimited_input A own_k high low L U (x i)))));
         (eapply store_step; [reflexivity|evaluate|exact Hw|]);
         (eapply set_step; [evaluate|reflexivity|]); reflexivity
@@ -291,10 +310,12 @@ Section Callers.
 
   (* the test of the inputs: what there is to begin with and every x, times 0 and added up *)
   Variable clock_times_zero : number.
+  (* The test of the inputs: the clock's value and every x, times 0 and added up. *)
   Fixpoint sum_times_zero (m : nat) : number := match m with O => clock_times_zero | S m => add A (sum_times_zero m) (mul A (x (Z.of_nat m)) (literal_value literal_zero)) end.
   Definition number_of_dimensions := Z.to_nat n.
   Hypothesis inputs_finite : at_most A (sum_times_zero number_of_dimensions) (literal_value literal_zero) = true.
 
+  (* One of the first m components is not between its edges. *)
   Fixpoint is_outside_within_first (m : nat) : bool :=
     match m with O => false | S m => let i := Z.of_nat m in if is_inside A (lower i) (upper i) (x i) then is_outside_within_first m else true end.
 
@@ -337,12 +358,13 @@ Section Callers.
       intros i Hi. apply H2. unfold n in *; lia.
   Qed.
 
-  (* The place comes from a kernel of the time or the count of ticks. *)
+  (* The position comes from a function of the time or of the count of ticks. *)
   Variables (segment_name clock_name : string) (segment_kernel : kernel_meaning A) (clock_value : c_value A).
   Hypothesis segment_known : lookup_name segment_name kernels = Some segment_kernel.
   Hypothesis clock_readable : forall z f, values_of A (("s", Unset) :: ("row", Unset) :: variables_after_test z f) [Var clock_name] = Some [clock_value].
   Hypothesis segment_kernel_value : segment_kernel [clock_value] = Some ([IntValue row; RealValue position], None).
 
+  (* The common statements end, return whether the state is outside, and store the inputs. *)
   Theorem statements_after_clock_run : exists out env,
     run_block A (run_statement A kernels arrays) (statements_after_clock consts segment_name clock_name) (("zero", RealValue clock_times_zero) :: outer_variables) [] =
       Some (env, out, Some (Some (IntValue (if is_outside_within_first number_of_dimensions then 1 else 0)%Z))) /\
@@ -368,13 +390,14 @@ End Callers.
 
 (* ------------------------------------------------------------------ the whole text *)
 
+(* The whole file. *)
 Section Execute.
   Variable A : arithmetic.
   Variables (consts : constants) (coefficients : list decimal).
   Notation number := (float A).
   Let n := dimensions consts.
   Variables (segment K : Z) (position : number) (x : Z -> number).
-  Variable directive_lines : list string. (* directives, which the evaluator does not read *)
+  Variable directive_lines : list string.
   Let program := Source directive_lines (emitted_tables consts coefficients) (emitted_functions consts).
   Hypothesis segment_range : (0 <= segment < K)%Z.
   Hypothesis indices_fit_31_bits : (0 < n /\ 2 * n * (K + 3) <= 2147483647)%Z.
@@ -384,7 +407,7 @@ Section Execute.
   Hypothesis limit_table_length : has_limits consts = true -> Z.of_nat (List.length (limit_table consts)) = n.
 
   Definition coefficient_at (z : Z) : number := literal A (nth (Z.to_nat z) coefficients literal_zero).
-  (* `x` and `u` have n places *)
+  (* The caller's arrays `x` and `u`, of n places each. *)
   Definition caller_arrays (name : string) (i : Z) : option number := if (0 <=? i)%Z then if (i <? n)%Z then Some (x i) else None else None.
   Let L i := lower A consts segment position coefficient_at i.
   Let U i := upper A consts segment position coefficient_at i.
@@ -421,13 +444,14 @@ Section Execute.
     cbn [app List.find function_name exponent_function mantissa_function]. now rewrite H1, H2.
   Qed.
 
+  (* The arrays that the functions may read: the file's tables, else the caller's. *)
   Definition program_arrays (y : string) (i : Z) : option number :=
     match lookup_name y (tables program) with
     | Some t => if (i <? 0)%Z then None else match nth_error t (Z.to_nat i) with Some v => Some (literal A v) | None => None end
     | None => caller_arrays y i
     end.
 
-  (* What is stored once the place is known. *)
+  (* The common statements, in the file, once the position is known. *)
   Section Common.
     Variables (kernels : list (string * kernel_meaning A)) (basis_kernel blend_kernel transformed_error_kernel law_kernel segment_kernel : kernel_meaning A).
     Hypothesis kernels_known : lookup_name "@basis" kernels = Some basis_kernel /\ lookup_name "@blend" kernels = Some blend_kernel /\ lookup_name "@transformed_error" kernels = Some transformed_error_kernel /\ lookup_name "@law" kernels = Some law_kernel.
@@ -459,17 +483,19 @@ Section Execute.
     Qed.
   End Common.
 
+  (* Function f, called with v, ends, returns whether the state is outside, and stores `control_input` for every component. *)
   Definition stores_control_inputs (f : string) (v : c_value A) : Prop := exists out,
     execute A (log_name consts) program f [v] caller_arrays =
       Some (out, Some (IntValue (if is_outside_within_first A consts segment position coefficient_at x (number_of_dimensions consts) then 1 else 0)%Z)) /\
     forall i, (0 <= i < n)%Z -> last_stored (A := A) "u" i out = Some (control_input A consts i (L i) (U i) (x i)).
 
-  (* Kernels by the function that each is: written out, each would hold all of those before it twice. *)
+  (* Adds the meaning of a function. Kernels are named by the function that each is: written out, each would contain all of those before
+     it twice. *)
   Definition add_kernel (ks : list (string * kernel_meaning A)) (g : function) : list (string * kernel_meaning A) := (function_name g, kernel_of_function A ks (fun _ _ => None) g) :: ks.
   Lemma kernels_in_order_fold : forall fs ks, kernels_in_order A fs ks = fold_left add_kernel fs ks.
   Proof. induction fs as [|g fs IH]; intro ks; [reflexivity|]. exact (IH (add_kernel ks g)). Qed.
 
-  (* what the two functions see *)
+  (* The functions that `control` and `control_tick` may call, by what stands above them in the file. *)
   Definition kernels_up_to_segment (segments : list function) := fold_left add_kernel segments (log_kernels A consts).
   Definition kernels_up_to_blend segments := add_kernel (add_kernel (kernels_up_to_segment segments) basis_function) blend_function.
   Definition kernels_up_to_law segments := add_kernel (add_kernel (kernels_up_to_blend segments) (transformed_error_function consts)) law_function.
@@ -511,6 +537,7 @@ Section Execute.
   Ltac started E := unfold run_function; cbn [bind_parameters has_type parameters body control_function control_tick_function app];
     repeat (eapply (let_step A _ program_arrays); [reflexivity|reflexivity|]); exact E.
 
+  (* `control` runs as the formulas say. *)
   Theorem control_executes t : to_integer A (spline_time A consts t) = Some segment -> position = position_in_segment A (spline_time A consts t) segment ->
     at_most A (sum_times_zero A x (mul A t (literal A literal_zero)) (number_of_dimensions consts)) (literal A literal_zero) = true -> stores_control_inputs "@control" (RealValue t).
   Proof.
@@ -541,6 +568,7 @@ Section Execute.
       + exists out. split; [now rewrite E|exact St].
   Qed.
 
+  (* `control_tick` runs as the formulas say. *)
   Theorem control_tick_executes c tick : tick_constants consts = Some c -> ticks_fit_31_bits c -> tick_segments c = K -> (0 <= tick <= 4294967295)%Z ->
     segment = tick_segment c tick -> position = tick_position_in_segment A c tick ->
     at_most A (sum_times_zero A x (literal A literal_zero) (number_of_dimensions consts)) (literal A literal_zero) = true -> stores_control_inputs "@control_tick" (UnsignedValue tick).

@@ -1,4 +1,7 @@
-(* The edges that the emitted control computes, against the exact spline: P7 for any precision, from the machine's own operations. *)
+(* The edges that the emitted `control` computes with the machine's own operations are those of Emitted.v: positions and edges have the
+   values of the rounding model there, and nothing overflows.
+
+   Controller.v uses it. docs/certificate-format.md has the bound on the error (P7: `edge_error`). *)
 From Coq Require Import ZArith QArith Qreals Reals List Bool Lia Lra Psatz SpecFloat.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
@@ -6,7 +9,7 @@ From Stt Require Import Tube Loop Speed Rounding Emitted Syntax Run Emission Con
 Import ListNotations.
 Open Scope R_scope.
 
-(* Formats of the library are Flocq's, with the exponents of IEEE 754. *)
+(* The formats of Rounding.v, with the exponents of IEEE 754, are formats of Semantics.v. *)
 Definition largest_exponent (f : format) : Z := match f with Single => 128 | Double => 1024 end.
 Lemma precision_pos (f : format) : Prec_gt_0 (precision f). Proof. destruct f; reflexivity. Qed.
 Lemma precision_below (f : format) : Prec_lt_emax (precision f) (largest_exponent f). Proof. destruct f; reflexivity. Qed.
@@ -30,6 +33,7 @@ Section Machine.
 
   (* ---------------------------------------------------------------- sizes: powers of two, so that rounding stays within them *)
 
+  (* v is finite and at most 2^j in size. Rounding keeps such a bound, for powers of two are in the format. *)
   Definition within_power (j : Z) (v : number) : Prop := is_finite v = true /\ Rabs (value v) <= bpow radix2 j.
 
   Lemma round_nearest_within_power j x : (-126 <= j <= 126)%Z -> Rabs x <= bpow radix2 j -> Rabs (round_nearest x) <= bpow radix2 j.
@@ -83,7 +87,7 @@ Section Machine.
   Lemma literal_zero_value : value (decimal_number prec emax _ _ literal_zero) = 0 /\ is_finite (decimal_number prec emax _ _ literal_zero) = true.
   Proof. split; reflexivity. Qed.
 
-  (* one edge is the straight-line code that was analysed *)
+  (* The edge is the straight-line code that Rounding.v analyses. *)
   Lemma edge_is_analysed_code (s q0 q1 q2 q3 : number) : within_power 0 s -> within_power 30 q0 -> within_power 30 q1 -> within_power 30 q2 -> within_power 30 q3 ->
     value (edge A s q0 q1 q2 q3) = nth 23 (run_assignments round_nearest basis_blend [value s; value q0; value q1; value q2; value q3]) 0 /\ is_finite (edge A s q0 q1 q2 q3) = true.
   Proof.
@@ -118,6 +122,7 @@ Section Machine.
 
 End Machine.
 
+(* From a time to its position, in single or in double precision. *)
 Section Format.
   Variable f : format.
   Notation prec := (precision f).
@@ -168,7 +173,7 @@ Section Format.
     assert (M := Bmult_correct prec emax _ _ mode_NE st r). cbn [round_mode] in M.
     match type of M with context [round radix2 ?e ?m (value st * value r)] => change (round radix2 e m (value st * value r)) with (Semantics.round_nearest prec emax (value st * value r)) in M end.
     destruct (Rlt_bool_spec (Rabs (Semantics.round_nearest prec emax (value st * value r))) (bpow radix2 emax)) as [Fits|Over].
-    2: { (* where the product overflows, time is past the end anyway *)
+    2: { (* where the product overflows, the time is past t_c, and the last spline time is taken *)
       assert (Rn : 0 <= Semantics.round_nearest prec emax (value st * value r)).
       { rewrite <- (round_nearest_0 prec emax). apply round_nearest_le; [exact precision_pos_instance|]. apply Rmult_le_pos; [exact S0|rewrite C1; lra]. }
       rewrite (Rabs_pos_eq _ Rn) in Over.
@@ -195,6 +200,7 @@ Section Format.
     - auto.
   Qed.
 
+  (* The segment of time t. *)
   Definition segment_of_time : Z := Zfloor (emitted_time_of (value t)).
   Lemma segment_range : (0 <= segment_of_time < Z.of_nat K)%Z.
   Proof.
@@ -221,7 +227,7 @@ Section Format.
     split; [rewrite Q1, T1, I1; apply round_nearest_is_round_to_format|]. split; [exact Q2|]. rewrite Q1. apply (round_nearest_within_power prec emax _ _ prec_large emax_large); [lia|exact Small].
   Qed.
 
-  (* `segment` gives the place that the time has *)
+  (* The machine's segment and position are those of Emitted.v. *)
   Lemma position_of_time_is_machine_position : position_of_time f time_rate_real last_time_real (value t) = (Z.to_nat segment_of_time, value machine_position).
   Proof.
     destruct machine_position_value as [P1 _]. pose proof segment_range as Sr. pose proof (emitted_spline_time_range f rows time_rate_real last_time_real ltac:(lra) last_range (value t)) as R0.
@@ -232,6 +238,7 @@ End Format.
 
 (* ------------------------------------------------------------------ an edge *)
 
+(* From a position to an edge. *)
 Section Place.
   Variable f : format.
   Notation prec := (precision f).
@@ -253,6 +260,7 @@ Section Place.
   Hypothesis q3_value : value q3 = coefficient 3 /\ is_finite q3 = true.
   Hypothesis coefficients_bounded : forall k, Rabs (unit * IZR (nth k (edge_column side i rows) 0%Z)) <= 1073741824.
 
+  (* The machine's edge is that of Emitted.v. *)
   Theorem machine_edge_value : value (edge A position q0 q1 q2 q3) = edge_at_position f rows unit side i (segment, value position) /\ is_finite (edge A position q0 q1 q2 q3) = true.
   Proof.
     assert (Sq : forall q j, value q = coefficient j /\ is_finite q = true -> within_power prec emax 30 q).

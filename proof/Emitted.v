@@ -1,5 +1,8 @@
-(* P7: the emitted edges against the exact ones. What rounds: the time that is passed, its product with K/t_c (a count of ticks is exact,
-   and its part of a segment rounded once), and the statements of `basis` and `blend`. *)
+(* The emitted edges are near the exact ones (P7). Three things round: the time that is passed, its product with K/t_c, and the
+   assignments of `basis` and `blend`. For a count of ticks the position in its segment is rounded, and nothing before that.
+
+   EmittedTube.v decides the hypotheses by evaluation. docs/certificate-format.md derives the same bound (P7: `edge_error`); the lemma
+   book has it as `refined.late` (docs/lemmas.md). *)
 From Coq Require Import ZArith QArith Qreals Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core.
 From Coquelicot Require Import Coquelicot.
@@ -7,35 +10,41 @@ From Stt Require Import Tube Loop Speed Rounding.
 Import ListNotations.
 Open Scope R_scope.
 
+(* Time in seconds. `time_rate` and `last_spline_time` are the C's constants for K/t_c and for the largest spline time below K; `unit` is
+   the value of one step of the table. *)
 Section Emitted.
   Variables (format : format) (rows : table) (n : nat) (unit t_c time_rate last_spline_time : R).
   Let K := segment_count rows.
 
+  (* The spline time that the C computes for t: the product, rounded, and limited to [0, last_spline_time]. *)
   Definition emitted_spline_time (t : R) : R :=
     let started := if Rlt_dec 0 t then t else 0 in
     let scaled := round_to_format format (started * time_rate) in
     if Rlt_dec scaled last_spline_time then scaled else last_spline_time.
 
-  (* An edge in segment k at s: a place is the two together. *)
+  (* The edge that the C computes at a position: segment k = fst position, and s = snd position in it. *)
   Definition edge_at_position (side : Z * Z -> Z) (i : nat) (position : nat * R) : R :=
     let q j := unit * IZR (nth (fst position + j) (edge_column side i rows) 0%Z) in
     nth 23 (run_assignments (round_to_format format) basis_blend [snd position; q 0%nat; q 1%nat; q 2%nat; q 3%nat]) 0.
+  (* The position that the C computes for a time in seconds. *)
   Definition position_of_time (t : R) : nat * R :=
     let u := emitted_spline_time t in let k := Z.to_nat (Ztrunc u) in (k, round_to_format format (u - INR k)).
 
-  (* Of a count of ticks, of which one is multiplier / divisor of a segment, and `final` the first that is not before t_c. *)
+  (* Ticks. A segment has `divisor` parts; a tick takes `multiplier` of them, and `final_tick` is the first tick that is not before t_c.
+     This is how many parts have passed at a tick, at most those of all segments. *)
   Definition parts_passed (final multiplier divisor tick : Z) : Z :=
     let passed := (Z.min tick final * multiplier)%Z in Z.min passed (divisor * Z.of_nat K).
+  (* The position that the C computes for a count of ticks. *)
   Definition position_of_tick (final multiplier divisor tick : Z) : nat * R :=
     let place := parts_passed final multiplier divisor tick in
     let k := Z.min (place / divisor) (Z.of_nat K - 1) in
     (Z.to_nat k, round_to_format format (IZR (place - k * divisor) / IZR divisor)).
 
-  (* A time passed to the emitted function may be rounded to the format. *)
+  (* A clock shows time t if its value is t, rounded at most once to the format. *)
   Definition clock_shows (clock t : R) : Prop := Rabs (clock - t) <= Rabs t * Q2R (half_ulp format) + Q2R (half_smallest format).
 
-  Variables (time_error : R).   (* how far the emitted spline time may be from the true one *)
-  Let clock_error := INR K / t_c * (t_c * Q2R (half_ulp format) + Q2R (half_smallest format)).   (* the part of it that the rounded time takes *)
+  Variables (time_error : R).  (* a bound on the error of the emitted spline time, in segments *)
+  Let clock_error := INR K / t_c * (t_c * Q2R (half_ulp format) + Q2R (half_smallest format)).  (* the part of it that is due to the clock *)
   Hypothesis t_c_pos : 0 < t_c.
   Hypothesis unit_pos : 0 < unit.
   Hypothesis time_rate_nonneg : 0 <= time_rate.
@@ -126,10 +135,11 @@ Section Emitted.
   Hypothesis coefficients_bounded : forall k, Rabs (unit * IZR (nth k (edge_column side i rows) 0%Z)) <= Q2R coefficient_max.
   Hypothesis evaluation_error_known : spline_evaluation_error format coefficient_max = Some evaluation_error.
 
-  (* A place fits a time when its spline time is wrong by no more than `late`. *)
+  (* A position fits time t if its spline time, segment and s together, is within time_error of the true one. *)
   Definition position_fits (t : R) (position : nat * R) : Prop :=
     (fst position < K)%nat /\ 0 <= snd position <= 1 /\ Rabs (INR (fst position) + snd position - spline_time t_c rows t) <= time_error.
 
+  (* At a position that fits a time, the computed edge is near the exact edge of that time. *)
   Theorem edge_at_position_near p t : position_fits t p -> Rabs (edge_at_position side i p - edge unit t_c rows side i t) <= Q2R evaluation_error + unit * (3 * IZR step_max * time_error).
   Proof.
     destruct p as [k s]. unfold position_fits; cbn [fst snd]. intros (Hk & Hs & Near).
@@ -166,7 +176,7 @@ Section Emitted.
     rewrite Rabs_mult, (Rabs_pos_eq unit) by lra. apply Rmult_le_compat_l; lra.
   Qed.
 
-  (* Seconds, right or rounded once. *)
+  (* The position of a time in seconds fits it, also where the clock rounded it once. *)
   Lemma position_of_time_fits clock t : clock_shows clock t -> position_fits t (position_of_time clock).
   Proof.
     intro Clock. pose proof (emitted_spline_time_range clock) as Ur. pose proof (emitted_spline_time_near_true clock t Clock) as Uo.
@@ -180,6 +190,7 @@ Section Emitted.
   Qed.
 End Emitted.
 
+(* Time in ticks, of tick_period seconds. *)
 Section Ticks.
   Variables (format : format) (rows : table) (n : nat) (t_c time_error : R).
   Let K := segment_count rows.
@@ -195,6 +206,7 @@ Section Ticks.
 
   Lemma parts_passed_is_minimum tick : (0 <= tick)%Z -> parts_passed rows final_tick multiplier divisor tick = Z.min (tick * multiplier) (divisor * Z.of_nat K).
   Proof. intro H. unfold parts_passed. cbv zeta. destruct ticks_pos. destruct (Z.min_spec tick final_tick) as [[C ->]|[C ->]]; [reflexivity|]. nia. Qed.
+  (* The parts that have passed are the spline time exactly, in parts. *)
   Lemma parts_passed_is_spline_time tick : (0 <= tick)%Z -> IZR (parts_passed rows final_tick multiplier divisor tick) = IZR divisor * spline_time t_c rows (IZR tick * tick_period).
   Proof.
     intro H. destruct ticks_pos as [M0 D0]. apply IZR_lt in M0, D0. pose proof (IZR_le _ _ H) as H0.
@@ -211,6 +223,7 @@ Section Ticks.
     - rewrite mult_IZR, <- INR_IZR_INZ. rewrite I in C. apply Rmult_le_reg_l in C; [|lra]. rewrite Rmin_right; [field; lra|].
       apply (Rmult_le_reg_l (INR K / t_c)); [lra|]. replace (INR K / t_c * t_c) with (INR K) by (field; lra). lra.
   Qed.
+  (* The position of a tick fits its time. *)
   Lemma position_of_tick_fits tick : (0 <= tick)%Z -> position_fits rows t_c time_error (IZR tick * tick_period) (position_of_tick format rows final_tick multiplier divisor tick).
   Proof.
     intro H. assert (E := parts_passed_is_spline_time tick H). assert (M := parts_passed_is_minimum tick H). unfold position_fits, position_of_tick. cbv zeta. fold K. set (place := parts_passed _ _ _ _ _) in *. cbn [fst snd].

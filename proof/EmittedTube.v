@@ -1,4 +1,8 @@
-(* P1 to P5 for what the emitted code computes, all of it decided by evaluation. *)
+(* P1 to P5 for the edges that the emitted C computes. All conditions are decided by evaluation: `rounding_check` says that the
+   arithmetic moves no edge by more than edge_error (P7), and `emitted_tube_sound` applies `tube_sound` of Tube.v.
+
+   Period.v, Controller.v and Sound.v use the distance to the exact edges; a theorem file has `emitted_tube_sound` as its theorem about
+   the tube (docs/theorem.md). *)
 From Coq Require Import ZArith QArith Qreals Qabs Qminmax Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core.
 From Coquelicot Require Import Coquelicot.
@@ -6,8 +10,9 @@ From Stt Require Import Tube Loop Speed Rounding Emitted.
 Import ListNotations.
 Open Scope R_scope.
 
-(* K/t_c and the last spline time below K, as the C has them: mantissa and exponent. *)
+(* The C's constants of time, each as mantissa 2^exponent: K/t_c, and the last spline time below K. *)
 Record time_scale := TimeScale { rate_mantissa : Z; rate_exponent : Z; last_mantissa : Z; last_exponent : Z }.
+(* m 2^e as a rational. *)
 Definition dyadic (m e : Z) : Q := if (0 <=? e)%Z then inject_Z (m * 2 ^ e) else (m # Z.to_pos (2 ^ (- e))).
 
 Lemma dyadic_value m e : Q2R (dyadic m e) = F2R (Float radix2 m e).
@@ -20,10 +25,11 @@ Proof.
     rewrite <- bpow_opp. f_equal; lia.
 Qed.
 
+(* The largest absolute value in the table. *)
 Definition largest_table_value (unit : Q) (rows : table) : Q :=
   Qred (unit * inject_Z (fold_right (fun r m => fold_right (fun p m => Z.max (Z.abs (fst p)) (Z.max (Z.abs (snd p)) m)) m r) 0%Z rows)).
 
-(* P7: that the arithmetic moves no edge by more than err. late: what the emitted spline time may be wrong by. *)
+(* P7: the arithmetic moves no edge by more than edge_error. time_error bounds the error of the emitted spline time, in segments. *)
 Definition rounding_check (format : format) (unit edge_error : Q) (spec : task) (rows : table) (step_maxima : list Z) (scale : time_scale) (time_error : Q) : bool :=
   let K := inject_Z (Z.of_nat (segment_count rows)) in
   let c := dyadic (rate_mantissa scale) (rate_exponent scale) in
@@ -43,20 +49,23 @@ Definition rounding_check (format : format) (unit edge_error : Q) (spec : task) 
 Lemma Qle_bool_real a b : Qle_bool a b = true -> Q2R a <= Q2R b.
 Proof. intro H. now apply Qle_Rle, Qle_bool_iff. Qed.
 
+(* A tube that the checks accept. *)
 Section EmittedTube.
   Variables (format : format) (unit edge_error : Q) (plan : search_plan) (spec : task) (rows : table) (step_maxima : list Z) (scale : time_scale) (time_error : Q).
   Hypothesis tube_checked : tube_check unit edge_error plan spec rows = true.
   Hypothesis slopes_checked : slopes_check edge_error spec rows step_maxima = true.
   Hypothesis rounding_checked : rounding_check format unit edge_error spec rows step_maxima scale time_error = true.
 
-  (* what the C function `tube` stores, as real numbers *)
   Let time_rate := F2R (Float radix2 (rate_mantissa scale) (rate_exponent scale)).
   Let last_spline_time := F2R (Float radix2 (last_mantissa scale) (last_exponent scale)).
+  (* The edge that the C computes at a position, and at a time in seconds that its clock shows. *)
   Definition emitted_edge_at (side : Z * Z -> Z) (i : nat) (position : nat * R) : R := edge_at_position format rows (Q2R unit) side i position.
   Definition emitted_edge (side : Z * Z -> Z) (i : nat) (t : R) : R := emitted_edge_at side i (position_of_time format time_rate last_spline_time t).
+  (* A position fits a time, in the terms of Emitted.v. *)
   Definition position_fits_time (t : R) (position : nat * R) : Prop := position_fits rows (Q2R (t_c spec)) (Q2R time_error) t position.
 
-  (* P7: at a place that fits a time the emitted edges are within err of the exact ones; a time in seconds has such a place. *)
+  (* P7: the position of a time that the clock shows fits that time; at a position that fits, the emitted edges are within edge_error of
+     the exact ones. *)
   Lemma emitted_edges_near : (forall clock t, clock_shows format clock t -> position_fits_time t (position_of_time format time_rate last_spline_time clock)) /\
     forall i t p, (i < n spec)%nat -> position_fits_time t p ->
       Rabs (emitted_edge_at fst i p - lower unit spec rows i t) <= Q2R edge_error /\ Rabs (emitted_edge_at snd i p - upper unit spec rows i t) <= Q2R edge_error.
@@ -101,7 +110,7 @@ Section EmittedTube.
     split; (eapply Rle_trans; [|exact Ei]); [apply (edge_at_position_near format rows (n spec) (Q2R unit) (Q2R (t_c spec)) (Q2R time_error)) with (bezier_of_side := fst) (coefficient_max := largest_table_value unit rows)|apply (edge_at_position_near format rows (n spec) (Q2R unit) (Q2R (t_c spec)) (Q2R time_error)) with (bezier_of_side := snd) (coefficient_max := largest_table_value unit rows)]; auto.
   Qed.
 
-  (* A clock that is right, or right but for one rounding to the format. *)
+  (* A clock that shows every time, right or rounded once. *)
   Variable clock : R -> R.
   Hypothesis clock_reads : forall t, clock_shows format (clock t) t.
   Let L i t := emitted_edge fst i (clock t).
@@ -110,13 +119,14 @@ Section EmittedTube.
     Rabs (L i t - lower unit spec rows i t) <= Q2R edge_error /\ Rabs (U i t - upper unit spec rows i t) <= Q2R edge_error.
   Proof. intro Hi. destruct emitted_edges_near as [Tm Pl]. exact (Pl i t _ Hi (Tm _ _ (clock_reads t))). Qed.
 
+  (* P1 to P5 of the emitted edges, at every time that the clock shows. *)
   Theorem emitted_tube_sound :
     (* P1 *) (forall i t, (i < n spec)%nat -> L i t + Q2R (min_width spec) <= U i t) /\
     (* P2 *) (forall i, (i < n spec)%nat -> L i 0 < real_at (initial_state spec) i < U i 0 /\ in_box L U (initial_set spec) i 0) /\
     (* P3 *) (forall i t, (i < n spec)%nat -> in_box L U (state_space spec) i t) /\
     (* P4 *) (forall o t, In o (unsafe_sets spec) -> separated (n spec) (Q2R (clearance spec)) o (fun i => L i t) (fun i => U i t)) /\
     (* P5 *) (forall i t, (i < n spec)%nat -> Q2R (t_c spec) <= t -> in_box L U (target_set spec) i t) /\
-    (* and where half-spaces cut *)
+    (* P3 and P5 where half-spaces cut *)
     (forall t x, (forall i, (i < n spec)%nat -> L i t <= x i <= U i t) -> within_half_spaces (n spec) (state_half_spaces spec) x /\ (Q2R (t_c spec) <= t -> within_half_spaces (n spec) (target_half_spaces spec) x)).
   Proof.
     assert (Up : is_positive unit = true).
@@ -125,12 +135,15 @@ Section EmittedTube.
   Qed.
 End EmittedTube.
 
-(* Counts of ticks: the first that is not before t_c, of how many the divisor's a tick is in a segment, and its seconds. *)
+(* Counts of ticks: the first tick that is not before t_c, the parts of a segment that a tick takes, the parts that a segment has, and
+   the seconds of a tick. *)
 Record tick_scale := TickScale { final_tick : Z; multiplier : Z; divisor : Z; tick_seconds : Q }.
+(* The integers count the seconds of a tick exactly, and reach the end at final_tick. *)
 Definition ticks_check (format : format) (spec : task) (rows : table) (time_error : Q) (scale : tick_scale) : bool :=
   let K := Z.of_nat (segment_count rows) in
   ((0 <? multiplier scale)%Z && (0 <? divisor scale)%Z && (divisor scale * K <=? final_tick scale * multiplier scale)%Z &&
    Qeq_bool (inject_Z (multiplier scale) * t_c spec) (inject_Z (divisor scale * K) * tick_seconds scale) && Qle_bool (half_ulp format + half_smallest format) time_error)%bool.
+(* Then the position of every tick fits its time. *)
 Lemma tick_position_fits format unit edge_error plan spec rows time_error c tick : tube_check unit edge_error plan spec rows = true -> ticks_check format spec rows time_error c = true -> (0 <= tick)%Z ->
   position_fits_time spec rows time_error (IZR tick * Q2R (tick_seconds c)) (position_of_tick format rows (final_tick c) (multiplier c) (divisor c) tick).
 Proof.

@@ -1,5 +1,9 @@
-(* The law as it is emitted, on distances seen with errors: clamped, rounded, limited. Bounds on its input from the distances that
-   are true. And bounds on exp that are decided in rationals, for the logarithm in it. *)
+(* The law as it is emitted: computed from distances that have errors, with e clamped, rounded, and limited to u_max. This file bounds
+   its input by the true distances: from above, by its sign past the middle, and from below near an edge. It also bounds exp by
+   rationals, which decides what the logarithm in the law is.
+
+   Period.v uses the three bounds as the conditions of HeldInputs.v, Law.v proves that the emitted statements are this law. The lemma
+   book has them as `sampled.inputs`, `sampled.same_side`, `sampled.pull`, `sampled.shift` and `sampled.saturated` (docs/lemmas.md). *)
 From Coq Require Import ZArith QArith Qreals Qround Reals Lra Psatz Lia.
 From Coquelicot Require Import Coquelicot.
 From Stt Require Import Loop Tube.
@@ -31,9 +35,10 @@ Proof.
   rewrite exp_0 in A. lra.
 Qed.
 
-(* Fixed point: a stands for a / 2^40, which one addition and one shift a squaring keep. *)
+(* Fixed-point numbers: the integer a stands for a/2^40, so that squaring takes a product and a shift. *)
 Definition fixed_unit : Z := 2 ^ 40.
 Definition fixed_value (a : Z) : R := IZR a / IZR fixed_unit.
+(* A rational as a fixed-point number, rounded up; `fixed_below` rounds down. *)
 Definition fixed_above (q : Q) : Z := Qceiling (q * inject_Z fixed_unit).
 Definition fixed_below (q : Q) : Z := Qfloor (q * inject_Z fixed_unit).
 Lemma fixed_unit_pos : 0 < IZR fixed_unit. Proof. now apply IZR_lt. Qed.
@@ -48,6 +53,7 @@ Proof.
   rewrite (Rmult_assoc (IZR _)), Rinv_l, Rmult_1_r by lra. rewrite <- !Q2R_Z, <- Q2R_mult. apply Qle_Rle, Qfloor_le.
 Qed.
 
+(* a squared m times, rounded up each time; `repeated_square_below` rounds down. *)
 Fixpoint repeated_square_above (m : nat) (a : Z) : Z := match m with O => a | S k => repeated_square_above k (Z.shiftr (a * a) 40 + 1) end.
 Fixpoint repeated_square_below (m : nat) (a : Z) : Z := match m with O => a | S k => repeated_square_below k (Z.shiftr (a * a) 40) end.
 
@@ -79,15 +85,17 @@ Proof.
   - apply Z.shiftr_nonneg. now apply Z.mul_nonneg_nonneg.
 Qed.
 
+(* exp l is computed as exp (l/1024)^1024, by ten squarings. *)
 Definition halving_count : nat := 10.
 Definition halving_factor : Q := 1 # 1024.
 Lemma halving_factor_value : Q2R halving_factor * 2 ^ halving_count = 1. Proof. unfold halving_factor, halving_count, Q2R; cbn; lra. Qed.
 
-(* exp l <= y, and y <= exp l, for rationals; `false` where it cannot be told. *)
+(* A fixed-point number as a rational. *)
 Definition fixed_rational (a : Z) : Q := a # Z.to_pos fixed_unit.
 Lemma fixed_rational_value a : Q2R (fixed_rational a) = fixed_value a.
 Proof. unfold fixed_rational, fixed_value, Q2R; cbn [Qnum Qden]. rewrite Z2Pos.id by reflexivity. reflexivity. Qed.
 
+(* exp l <= y, decided in rationals; false where the bounds do not decide it. `proves_exp_ge` is y <= exp l. *)
 Definition proves_exp_le (l y : Q) : bool :=
   let z := fixed_rational (fixed_above (l * halving_factor)) in
   if (Qle_bool 0 z && Qle_bool z 1)%bool then Qle_bool (fixed_rational (repeated_square_above halving_count (fixed_above ((2 + z) / (2 - z))))) y else false.
@@ -145,7 +153,7 @@ Qed.
 Lemma ln_le_minus_one y : 0 < y -> ln y <= y - 1.
 Proof. intro H. assert (E := exp_ineq1_le (ln y)). rewrite exp_ln in E by exact H. lra. Qed.
 
-(* (1 + 1/y) (ln y + r) rises with y: the law pulls the harder, the more the distances differ. *)
+(* (1 + 1/y) (ln y + r) grows with y: the law pulls harder the more the distances to both edges differ. *)
 Lemma pull_grows_with_ratio y1 y2 r : 1 <= y1 <= y2 -> r <= 1 -> (1 + / y1) * (ln y1 + r) <= (1 + / y2) * (ln y2 + r).
 Proof.
   intros [A B] Hr. assert (P1 : 0 < / y1) by (apply Rinv_0_lt_compat; lra). assert (P2 : 0 < / y2) by (apply Rinv_0_lt_compat; lra).
@@ -164,11 +172,16 @@ Proof.
   assert ((ln y1 + r) * (/ y1 - / y2) <= (ln y2 - ln y1) * (1 + / y2)) by (rewrite E; lra). lra.
 Qed.
 
+(* 1 where the upper edge is nearer, else -1; a and b are the distances to the lower and the upper edge. *)
 Definition side_sign (a b : R) : R := if Rlt_dec b a then 1 else -1.
+(* The distance to the nearer edge, but at least the share clamp_share of the width: so e is clamped. *)
 Definition clamped_near_distance (clamp_share a b : R) : R := Rmax (Rmin a b) (clamp_share * (a + b)).
+(* |u| by the law (13) for the nearer and the farther distance, with errors e1 of the factor and e2 of the logarithm. *)
 Definition law_magnitude (gain near far e1 e2 : R) : R := gain * (1 / far + 1 / near) * (1 + e1) * (ln (far / near) + e2).
+(* An input limited to u_max, where there is a limit. *)
 Definition limit_input (u_limit : option R) (u : R) : R := match u_limit with None => u | Some m => Rmax (- m) (Rmin u m) end.
-(* What `control` gives for distances a and b as it sees them; e1 and e2 are what its arithmetic and its logarithm lose. *)
+(* u is an input that `control` may store for distances a and b: the law (13) with e clamped, limited, with errors of at most law_error
+   in the factor and in the logarithm. *)
 Definition acts_as_law (gain clamp_share law_error : R) (u_limit : option R) (a b u : R) : Prop := exists e1 e2, Rabs e1 <= law_error /\ Rabs e2 <= law_error /\
   u = limit_input u_limit (- side_sign a b * law_magnitude gain (clamped_near_distance clamp_share a b) (a + b - clamped_near_distance clamp_share a b) e1 e2).
 
@@ -236,14 +249,14 @@ Proof.
   intro H. destruct u_limit as [m|]; cbn; [|reflexivity]. specialize (H m eq_refl). unfold Rmax, Rmin; repeat destruct Rle_dec; lra.
 Qed.
 
-(* The law is odd: what it does at one edge it does at the other. *)
+(* Mirroring the state between the edges changes the sign of the input. *)
 Lemma acts_as_law_odd gain clamp_share law_error u_limit a b u : (forall m, u_limit = Some m -> 0 <= m) -> 0 < clamp_share <= 1 / 2 -> 0 < a + b -> acts_as_law gain clamp_share law_error u_limit a b u -> acts_as_law gain clamp_share law_error u_limit b a (- u).
 Proof.
   intros Hm Hc Hs (e1 & e2 & A & B & ->).
   assert (N : clamped_near_distance clamp_share b a = clamped_near_distance clamp_share a b) by (unfold clamped_near_distance; rewrite Rmin_comm; f_equal; ring).
   assert (S : b + a = a + b) by ring.
   destruct (Req_dec a b) as [E|E].
-  - (* in the middle the logarithm is 0, and what is lost there may be of either sign *)
+  - (* in the middle the logarithm is 0, and its error may have either sign *)
     exists e1, (- e2). rewrite Rabs_Ropp. split; [exact A|split; [exact B|]]. rewrite <- limit_input_odd by exact Hm. f_equal.
     rewrite N, S. subst b. unfold side_sign. destruct Rlt_dec; [lra|]. unfold law_magnitude.
     assert (Nr := clamped_near_distance_range clamp_share a a Hc Hs).
@@ -254,6 +267,7 @@ Proof.
     unfold side_sign. repeat destruct Rlt_dec; try lra; ring.
 Qed.
 
+(* An emitted law that measures distances a' and b' within distance_error of the true ones, a and b. inner_share is 1/(1 + rho). *)
 Section InputBounds.
   Variables (gain clamp_share law_error distance_error inner_share : R) (u_limit : option R).
   Hypothesis constants_in_range : 0 < gain /\ 0 < clamp_share <= inner_share /\ inner_share <= 1 / 2 /\ 0 <= law_error <= 1 / 2 /\ clamp_share <= 1 / 4 /\ 0 <= distance_error.
@@ -265,7 +279,7 @@ Section InputBounds.
     unfold Rmax, Rmin, Rabs; repeat destruct Rle_dec; repeat destruct Rcase_abs; lra.
   Qed.
 
-  (* The largest input: the sample was inside the inner tube, whose width there was at least d. *)
+  (* The largest input, where the sample was taken in the inner tube and the width was at least width_low. *)
   Lemma input_bounded_in_inner_tube a b a' b' u width_low Y l : acts_as_law gain clamp_share law_error u_limit a' b' u -> Rabs (a' - a) <= distance_error -> Rabs (b' - b) <= distance_error ->
     width_low <= a + b -> (a + b) * inner_share <= a -> (a + b) * inner_share <= b -> 0 < width_low * inner_share - distance_error -> Y = (width_low * (1 - inner_share) + distance_error) / (width_low * inner_share - distance_error) -> ln Y <= l ->
     Rabs u <= gain * / (width_low * inner_share - distance_error) * (1 + / Y) * (1 + law_error) * (l + law_error).
@@ -301,7 +315,7 @@ Section InputBounds.
     - apply Rcomplements.Rle_div_l; [lra|exact Far].
   Qed.
 
-  (* A sample that is seen above the middle by more than is lost: its input is not upwards. *)
+  (* Where the sample was farther above the middle than all errors, the input is not upwards. *)
   Lemma input_not_outwards_past_middle a b a' b' u width_max : acts_as_law gain clamp_share law_error u_limit a' b' u -> Rabs (a' - a) <= distance_error -> Rabs (b' - b) <= distance_error -> 0 < a' + b' ->
     a + b <= width_max -> 2 * distance_error + law_error * (width_max + 2 * distance_error) < a - b -> u <= 0.
   Proof.
@@ -332,7 +346,8 @@ Section InputBounds.
     destruct u_limit as [m|]; cbn; [|lra]. specialize (u_limit_nonneg m eq_refl). unfold Rmax, Rmin; repeat destruct Rle_dec; lra.
   Qed.
 
-  (* The least pull of a sample that was near the upper edge, where the width is between d0 and d1 when it acts. *)
+  (* Where the sample was near the upper edge, and the width is between width_low and width_high when the input acts, the input pulls
+     down faster than closing_speed. *)
   Lemma input_pulls_back_near_edge a b a' b' u width width_low width_high drift edge_drift A B0 Y l g_min closing_speed :
     acts_as_law gain clamp_share law_error u_limit a' b' u -> Rabs (a' - a) <= distance_error -> Rabs (b' - b) <= distance_error -> 0 < a' + b' ->
     width_low <= width <= width_high -> 0 < width_low -> 0 <= edge_drift <= drift -> a + b <= width + 2 * edge_drift -> width * (1 - inner_share) - drift <= a -> b <= width * inner_share + drift ->

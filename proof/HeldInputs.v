@@ -1,14 +1,17 @@
-(* The closed loop with held inputs: each is computed from a sample and acts until the next one. The state keeps to an inner tube
-   whose edges divide the tube's width by rho, the same at all times; so it keeps |e| <= (rho - 1)/(rho + 1).
+(* The closed loop with held inputs: each input is computed from a sample and acts until the next one does. The state stays in an inner
+   tube, whose edges cut off the share 1/(1 + rho) of the width on both sides, the same at all times. That is |e| <= (rho - 1)/(rho + 1).
 
-   The argument, as in docs/lemmas.md (sampled.sharp): an input is constant while it acts. Either it pushes inwards harder than
-   anything pushes outwards, and then the inner edge is not passed while it acts. Or its sample was taken far from the edge, and
-   then the state cannot have come to the edge, because the sample is no older than tau. *)
+   An input is constant while it acts. Either it pushes inwards harder than everything pushes outwards; then the state does not pass the
+   inner edge. Or its sample was taken far from that edge; then the state cannot get there, because a sample is never older than tau.
+
+   Period.v applies this to the emitted law. The lemma book has it as `sampled.first_exit` to `sampled.sharp`, with the same three
+   conditions (docs/lemmas.md); docs/certificate-format.md has them as P9. *)
 From Coq Require Import Reals Lra Psatz Lia.
 From Coquelicot Require Import Coquelicot.
 From Stt Require Import Loop.
 Open Scope R_scope.
 
+(* `first_time_at_most` of Loop.v, from time s on. *)
 Lemma first_time_at_most_from (f : R -> R) (s t c : R) : s <= t -> (forall r, continuity_pt f r) -> c < f s -> f t <= c ->
   exists m, s < m <= t /\ f m <= c /\ forall r, s <= r < m -> c < f r.
 Proof.
@@ -23,7 +26,7 @@ Proof.
     intros r Hr; assert (B := A (r - s) ltac:(lra)); cbn in B; now replace (s + (r - s)) with r in B by ring.
 Qed.
 
-(* A state that moves at most so fast between two times. *)
+(* A function whose derivative is at most `rate` in size moves at most so fast between two times. *)
 Lemma moves_at_most f df t0 t1 rate : t0 <= t1 -> (forall r, continuity_pt f r) -> (forall r, t0 < r < t1 -> is_derive f r (df r) /\ Rabs (df r) <= rate) ->
   Rabs (f t1 - f t0) <= rate * (t1 - t0).
 Proof.
@@ -37,7 +40,7 @@ Proof.
   apply Rabs_le. lra.
 Qed.
 
-(* The sum of a row without its own entry. *)
+(* The sum of u 0 .. u (n - 1) without u i: what the inputs of other components add up to. *)
 Fixpoint sum_except (n i : nat) (u : nat -> R) : R :=
   match n with O => 0 | S m => (if Nat.eq_dec m i then 0 else u m) + sum_except m i u end.
 Lemma sum_except_le n i u w : (forall j, (j < n)%nat -> u j <= w j) -> sum_except n i u <= sum_except n i w.
@@ -51,6 +54,9 @@ Proof.
   destruct (Nat.eq_dec n i); lra.
 Qed.
 
+(* One component near its upper edge. Input u acts from switch_time until `now`, and was computed from the sample of sample_time; before
+   switch_time earlier inputs acted. unforced_rate is xdot without g u; tau bounds the age of a sample, latency the delay until its input
+   acts. *)
 Section UpperEdge.
   (* One component at its upper edge, at time m; the input u acts since q, of the sample at s; before q others acted. *)
   Variables (x L U : R -> R) (unforced_rate g : R -> R) (sample_time switch_time now u rho force_max edge_speed g_min g_max input_max tau latency : R).
@@ -63,13 +69,16 @@ Section UpperEdge.
   Hypothesis moved_since_sample : Rabs (x switch_time - x sample_time) <= (force_max + g_max * input_max) * (switch_time - sample_time).
   Hypothesis plant_equation : forall r, switch_time < r < now -> is_derive x r (unforced_rate r + g r * u) /\ Rabs (unforced_rate r) <= force_max /\ g_min <= g r <= g_max.
   Hypothesis input_bounded : Rabs u <= input_max.
+  (* A sample that was far above the middle of the tube has an input that does not push upwards. *)
   Hypothesis side_condition : forall slack, slack = (x sample_time - L sample_time) - (U sample_time - x sample_time) ->
     width now * ((rho - 1) / (rho + 1)) - 2 * ((force_max + edge_speed + g_max * input_max) * tau) <= slack -> u <= 0.
+  (* A sample that was near the upper edge has an input that pulls down faster than the edge and all forces move up. *)
   Hypothesis pull_condition : (width now * (rho / (1 + rho)) - ((force_max + edge_speed) * tau + g_max * input_max * latency) <= x sample_time - L sample_time) ->
     (U sample_time - x sample_time <= width now * / (1 + rho) + ((force_max + edge_speed) * tau + g_max * input_max * latency)) ->
     width sample_time <= width now + 2 * (edge_speed * tau) -> force_max + edge_speed <= g_min * - u.
   Hypothesis inside_at_switch : x switch_time <= U switch_time - width switch_time * / (1 + rho).
 
+  (* Then the state is below the inner upper edge at time `now`. *)
   Lemma upper_edge_kept : x now <= U now - width now * / (1 + rho).
   Proof.
     apply Rnot_lt_le; intro Past. unfold width in *.
@@ -82,7 +91,7 @@ Section UpperEdge.
     assert (GM : 0 <= g_max * input_max) by (apply Rmult_le_pos; lra).
     destruct (edges_move_slowly sample_time ltac:(lra)) as [Ls Us]. destruct (edges_move_slowly switch_time ltac:(lra)) as [Lq Uq].
     apply Rabs_le_between in Ls, Us, Lq, Uq, moved_since_sample.
-    (* what the state has moved since the sample, whatever acted *)
+    (* how far the state may have moved since the switch, whatever the sign of the input *)
     assert (Mv : Rabs (x now - x switch_time) <= (force_max + g_max * input_max) * (now - switch_time)).
     { apply (moves_at_most x (fun r => unforced_rate r + g r * u)); [lra|exact x_continuous|]. intros r Hr. destruct (plant_equation r Hr) as (De & Y & G).
       split; [exact De|]. eapply Rle_trans; [apply Rabs_triang|]. apply Rplus_le_compat; [exact Y|].
@@ -92,7 +101,7 @@ Section UpperEdge.
     assert (Bt : (force_max + g_max * input_max) * (now - sample_time) <= (force_max + g_max * input_max) * tau) by (apply Rmult_le_compat_l; lra).
     assert (Neg : u <= 0).
     { apply (side_condition _ eq_refl). lra. }
-    (* since u <= 0, x has risen by what pushes it alone *)
+    (* because u <= 0, the forces alone have moved x upwards *)
     assert (Up : - force_max * (now - switch_time) <= - x now - - x switch_time).
     { apply (rises_at_rate (fun t => - x t) (fun r => - (unforced_rate r + g r * u))); [lra|intro; now apply continuity_pt_opp|].
       intros r Hr. destruct (plant_equation r Hr) as (De & Y & G). split; [exact (is_derive_opp _ _ _ De)|].
@@ -101,7 +110,7 @@ Section UpperEdge.
     assert (Gl : g_max * input_max * (switch_time - sample_time) <= g_max * input_max * latency) by (apply Rmult_le_compat_l; lra).
     assert (P : force_max + edge_speed <= g_min * - u).
     { apply pull_condition; lra. }
-    (* so x falls faster than the inner edge can *)
+    (* so x falls faster than the inner edge does *)
     assert (Fall : edge_speed * (now - switch_time) <= - x now - - x switch_time).
     { apply (rises_at_rate (fun t => - x t) (fun r => - (unforced_rate r + g r * u))); [lra|intro; now apply continuity_pt_opp|].
       intros r Hr. destruct (plant_equation r Hr) as (De & Y & G). split; [exact (is_derive_opp _ _ _ De)|].
@@ -113,21 +122,29 @@ Section UpperEdge.
   Qed.
 End UpperEdge.
 
+(* All n components and all times. Input p is computed from the sample of time sampled_at p and acts from acts_from p to acts_from (p +
+   1). *)
 Section HeldInputs.
-  Variables (n : nat) (sampled_at acts_from : nat -> R).       (* input p: of the sample taken then, acting from switch p to switch (p + 1) *)
+  Variables (n : nat) (sampled_at acts_from : nat -> R).
   Variables (rho g_min g_max push_max cross_gain_max margin : nat -> R) (tau latency : R).
   Variables L U x : nat -> R -> R.
-  Variables unforced_rate g : nat -> nat -> R -> R.                 (* of component i, while input p acts: all that moves x but g u *)
+  Variables unforced_rate g : nat -> nat -> R -> R.  (* of component i while input p acts; unforced_rate is xdot without g u *)
   Variable input : nat -> nat -> R.
-  Variables edge_speed input_max : nat -> R -> R.                 (* at time m: of the edges since m - tau; of inputs from samples since m - 2 tau *)
+  Variables edge_speed input_max : nat -> R -> R.  (* at time m: how fast the edges moved since m - tau; a bound on inputs of samples since m - 2 tau *)
 
   Let width (i : nat) (t : R) := U i t - L i t.
+  (* At time t the state is in the inner tube. *)
   Definition in_inner_tube (t : R) : Prop := forall i, (i < n)%nat ->
     width i t * / (1 + rho i) <= x i t - L i t /\ width i t * / (1 + rho i) <= U i t - x i t.
+  (* At time t the state is strictly inside the tube. *)
   Definition in_tube (t : R) : Prop := forall i, (i < n)%nat -> L i t < x i t < U i t.
+  (* A bound on |unforced_rate| at time m: push_max, and the coupling with the inputs of other components. *)
   Definition force_max (i : nat) (m : R) : R := push_max i + cross_gain_max i * sum_except n i (fun j => input_max j m).
+  (* How far the state and an edge may have moved together since the sample. *)
   Definition drift_max (i : nat) (m : R) : R := (force_max i m + edge_speed i m) * tau + g_max i * input_max i m * latency.
 
+  (* The first input acts from 0 on. No sample is older than tau while its input acts, and an input acts at most latency after its
+     sample. *)
   Hypothesis times_ordered : acts_from 0%nat = 0 /\ forall p, 0 <= sampled_at p <= acts_from p /\ acts_from p < acts_from (S p) /\
     acts_from (S p) - sampled_at p <= tau /\ acts_from p - sampled_at p <= latency.
   Hypothesis bounds_positive : forall i, (i < n)%nat -> 1 <= rho i /\ 0 < g_min i <= g_max i /\ 0 <= push_max i /\ 0 <= cross_gain_max i /\ 0 < margin i.
@@ -140,7 +157,7 @@ Section HeldInputs.
     is_derive (x i) t (unforced_rate i p t + g i p t * input p i) /\
     Rabs (unforced_rate i p t) <= push_max i + cross_gain_max i * sum_except n i (fun j => Rabs (input p j)) /\ g_min i <= g i p t <= g_max i.
 
-  (* What is asked of the law, where its sample was taken inside the inner tube. *)
+  (* The three conditions on the law, where its sample was taken in the inner tube. *)
   Hypothesis input_bounded : forall p m i, (i < n)%nat -> in_inner_tube (sampled_at p) -> sampled_at p <= m <= sampled_at p + 2 * tau ->
     (latency = 0 -> m <= sampled_at p + tau) -> Rabs (input p i) <= input_max i m.
   Hypothesis side_condition : forall p m i, (i < n)%nat -> in_inner_tube (sampled_at p) -> sampled_at p <= m <= sampled_at p + tau ->
@@ -155,6 +172,8 @@ Section HeldInputs.
     (width i m * (rho i / (1 + rho i)) - drift_max i m <= U i (sampled_at p) - x i (sampled_at p) ->
      x i (sampled_at p) - L i (sampled_at p) <= width i m * / (1 + rho i) + drift_max i m -> force_max i m + edge_speed i m <= g_min i * input p i).
 
+  (* The distance to the nearer inner edge, in units of `margin`, plus 1/2: so it is at least 1/2 in the inner tube, and above 0 in the
+     tube. *)
   Let scaled_distance (i : nat) (t : R) := Rmin (x i t - L i t - width i t * / (1 + rho i)) (U i t - x i t - width i t * / (1 + rho i)) * / margin i + 1 / 2.
 
   Lemma scaled_distance_continuous i t : (i < n)%nat -> continuity_pt (scaled_distance i) t.
@@ -201,7 +220,8 @@ Section HeldInputs.
   Lemma tau_pos : 0 < tau /\ 0 <= latency.
   Proof. destruct times_ordered as [_ C]. destruct (C 0%nat) as (A & B & D & E). lra. Qed.
 
-  (* While inputs up to p have acted, x has moved no faster than they and the rest can move it. *)
+  (* As long as the state was in the inner tube, it moved between a sample and the switch no faster than bounded inputs and forces can
+     move it. *)
   Lemma moved_while_inputs_acted p : (forall t, 0 <= t <= acts_from p -> in_inner_tube t) -> forall i m s q, (i < n)%nat ->
     0 <= s <= q -> q <= acts_from p -> q <= m -> m - tau <= s -> (latency = 0 -> s = q) ->
     Rabs (x i q - x i s) <= (force_max i m + g_max i * input_max i m) * (q - s).
@@ -233,6 +253,7 @@ Section HeldInputs.
       + assert (b = s) by (unfold b; rewrite Rmax_left; lra). rewrite H in *. exact Now.
   Qed.
 
+  (* If the state was in the inner tube until input p began to act, it is so until the next input acts. *)
   Lemma stays_until_next_switch p : (forall t, 0 <= t <= acts_from p -> in_inner_tube t) -> forall t, acts_from p <= t <= acts_from (S p) -> in_inner_tube t.
   Proof.
     intro Past. destruct times_ordered as [_ C]. destruct (C p) as (C1 & C2 & C3 & C4). destruct tau_pos as [T0 L0].
@@ -304,6 +325,7 @@ Section HeldInputs.
     assert (1 / 2 <= scaled_distance i m); [apply scaled_distance_at_least; [exact Hi|]; lra|]. lra.
   Qed.
 
+  (* The state is in the inner tube at all times. *)
   Theorem stays_in_inner_tube : forall p t, 0 <= t <= acts_from p -> in_inner_tube t.
   Proof.
     induction p; intros t Ht.

@@ -1,11 +1,15 @@
-(* The closed loop in continuous time: under the law (13) the state never leaves the tube, whatever bounds the plant has.
+(* The closed loop in continuous time: under the control law (13) the state never leaves the tube, whatever the bounds of the plant are.
 
-   By first exit. Near an edge the law pushes harder than drift, disturbance and the edge's own motion together, because 1/a has no
-   bound; so there is a distance, which depends on the bounds, that the state keeps from every edge. *)
+   The proof is by first exit. Near an edge the law outweighs drift, disturbance and the motion of the edge together, for 1/a grows
+   without bound. So the state keeps a positive distance from every edge, which depends on the bounds.
+
+   Speed.v applies this to spline tubes; HeldInputs.v and HeldInputLaw.v use the lemmas on real functions. The paper has it as Theorem
+   4.1 (docs/paper.md); the lemma book as `theorem.*` (docs/lemmas.md). *)
 From Coq Require Import Reals Lra Psatz Lia.
 From Coquelicot Require Import Coquelicot.
 Open Scope R_scope.
 
+(* A continuous function that is at least c at s and below c at t has a last time m at which it is at least c. *)
 Lemma last_time_at_least (f : R -> R) (s t c : R) : s <= t -> (forall r, continuity_pt f r) -> c <= f s -> f t < c ->
   exists m, s <= m < t /\ c <= f m /\ forall r, m < r <= t -> f r < c.
 Proof.
@@ -32,6 +36,7 @@ Proof.
   - intros r Hr; apply Rnot_le_lt; intro C. assert (r <= m) by (apply Ub; unfold E; lra). lra.
 Qed.
 
+(* A continuous function that is above c at 0 and at most c at t has a first time m at which it is at most c. *)
 Lemma first_time_at_most (f : R -> R) (t c : R) : 0 <= t -> (forall r, continuity_pt f r) -> c < f 0 -> f t <= c ->
   exists m, 0 < m <= t /\ f m <= c /\ forall r, 0 <= r < m -> c < f r.
 Proof.
@@ -46,7 +51,8 @@ Proof.
     intros r Hr; assert (B := A (t - r) ltac:(lra)); cbn in B; replace (t - (t - r)) with r in B by ring; lra.
 Qed.
 
-(* What rises at least at v inside an interval; nothing is known of derivatives at its ends. *)
+(* A function whose derivative is at least `rate` strictly between two times rises at least at that rate; at the ends no derivative is
+   needed. *)
 Lemma rises_at_rate f df t0 t1 rate : t0 < t1 -> (forall r, continuity_pt f r) ->
   (forall r, t0 < r < t1 -> is_derive f r (df r) /\ rate <= df r) -> rate * (t1 - t0) <= f t1 - f t0.
 Proof.
@@ -73,16 +79,18 @@ Proof.
     destruct H as (c' & Hc' & ->). apply Rmult_le_compat_r; [lra|]. apply D; lra.
 Qed.
 
-(* (13) with a = x - lower and b = upper - x: xi = 1/a + 1/b, epsilon = ln(a/b). *)
+(* The control law (13) of a component, a = x - lower edge, b = upper edge - x: xi = 1/a + 1/b, epsilon = ln(a/b), u = -gain xi epsilon. *)
 Definition law (gain a b : R) : R := - gain * (1 / a + 1 / b) * ln (a / b).
 
+(* Mirroring the state between the edges changes the sign of the input. *)
 Lemma law_odd gain a b : 0 < a -> 0 < b -> law gain a b = - law gain b a.
 Proof.
   intros; unfold law. replace (a / b) with (/ (b / a)) by (field; lra).
   rewrite ln_Rinv by (apply Rdiv_lt_0_compat; lra). ring.
 Qed.
 
-(* Closer than rho to an edge the law outweighs F + v. *)
+(* Closer than rho to the lower edge the law pushes x up faster than drift and disturbance (force_max) and the edge (edge_speed)
+   together. *)
 Lemma law_outweighs_bounds_near_edge gain a b rho width g_min force_max edge_speed : 0 < gain -> 0 < a <= rho -> width <= a + b -> rho <= width / 4 -> 0 < g_min -> rho * (force_max + edge_speed) <= g_min * gain ->
   force_max + edge_speed <= g_min * law gain a b.
 Proof.
@@ -117,6 +125,7 @@ Proof.
   - apply continuity_pt_const; now intros ? ?.
 Qed.
 
+(* The minimum of 1 and of values 0 .. n - 1 at time t. The 1 makes it defined for n = 0. *)
 Fixpoint minimum_of (n : nat) (values : nat -> R -> R) (t : R) : R :=
   match n with O => 1 | S m => Rmin (values m t) (minimum_of m values t) end.
 
@@ -133,13 +142,15 @@ Proof.
 Qed.
 Lemma minimum_of_at_least n values t c : c <= 1 -> (forall i, (i < n)%nat -> c <= values i t) -> c <= minimum_of n values t.
 Proof. intro C; induction n; intro H; cbn; [exact C|]. apply Rmin_glb; [apply H; lia|apply IHn; intros; apply H; lia]. Qed.
+(* Where it is below 1, the minimum is attained by a component. *)
 Lemma minimum_of_attained n values t : minimum_of n values t < 1 -> exists i, (i < n)%nat /\ values i t = minimum_of n values t.
 Proof.
   induction n; cbn; [lra|]. unfold Rmin; destruct Rle_dec; intro H; [exists n; split; [lia|reflexivity]|].
   destruct (IHn H) as (i & Hi & E); exists i; split; [lia|exact E].
 Qed.
 
-(* a positive number below finitely many positive ones *)
+(* If every one of n components has a positive number with a property that smaller numbers keep, one positive number has it for all
+   components. *)
 Lemma common_positive_bound n (P : nat -> R -> Prop) : (forall i r r', P i r -> 0 < r' <= r -> P i r') ->
   (forall i, (i < n)%nat -> exists r, 0 < r /\ P i r) -> exists r, 0 < r <= 1 /\ forall i, (i < n)%nat -> P i r.
 Proof.
@@ -152,6 +163,7 @@ Proof.
   - apply Mono with r; [apply A; lia|]; split; [easy|apply Rmin_l].
 Qed.
 
+(* f changes at most by `speed` a second. *)
 Definition lipschitz (speed : R) (f : R -> R) : Prop := forall s t, Rabs (f t - f s) <= speed * Rabs (t - s).
 
 Lemma lipschitz_continuous speed f : lipschitz speed f -> forall t, continuity_pt f t.
@@ -167,10 +179,11 @@ Proof.
   apply (Rmult_lt_reg_r (speed + 1)); [lra|]. replace (speed * (e / (speed + 1)) * (speed + 1)) with (speed * e) by (field; lra). nra.
 Qed.
 
+(* n components, each with a gain, edges L and U, and a plant xdot = f + g u, up to the time t_c. *)
 Section Loop.
   Variables (n : nat) (t_c : R).
-  Variables gain g_min force_max edge_speed width_min : nat -> R.                (* gain, least input gain, |f + w|, speed of the edges, least width *)
-  Variables L U x f g : nat -> R -> R.              (* f: drift and disturbance along the solution *)
+  Variables gain g_min force_max edge_speed width_min : nat -> R.  (* by component; g_min bounds g from below, force_max bounds |f| *)
+  Variables L U x f g : nat -> R -> R.  (* by component and time; f is drift and disturbance along the trajectory *)
   Hypothesis gain_pos : forall i, (i < n)%nat -> 0 < gain i.
   Hypothesis g_min_pos : forall i, (i < n)%nat -> 0 < g_min i.
   Hypothesis width_min_pos : forall i, (i < n)%nat -> 0 < width_min i.
@@ -179,13 +192,16 @@ Section Loop.
   Hypothesis wide_enough : forall i t, (i < n)%nat -> 0 <= t <= t_c -> L i t + width_min i <= U i t.
   Hypothesis x_continuous : forall i t, (i < n)%nat -> continuity_pt (x i) t.
 
+  (* At time t the state is strictly between the edges. *)
   Definition inside (t : R) : Prop := forall i, (i < n)%nat -> L i t < x i t < U i t.
+  (* The input that the law gives. *)
   Definition law_input (i : nat) (t : R) : R := law (gain i) (x i t - L i t) (U i t - x i t).
 
   Hypothesis starts_inside : inside 0.
   Hypothesis plant_equation : forall t, 0 < t < t_c -> inside t -> forall i, (i < n)%nat ->
     is_derive (x i) t (f i t + g i t * law_input i t) /\ Rabs (f i t) <= force_max i /\ g_min i <= g i t.
 
+  (* The distance of the state to the nearer edge. *)
   Let distance_to_edge (i : nat) (t : R) := Rmin (x i t - L i t) (U i t - x i t).
 
   Lemma distance_to_edge_continuous i t : (i < n)%nat -> continuity_pt (distance_to_edge i) t.
@@ -193,6 +209,7 @@ Section Loop.
     intro Hi; apply continuity_pt_Rmin; apply continuity_pt_minus; auto; eapply lipschitz_continuous; eauto.
   Qed.
 
+  (* There is a rho that is at most the distance to the edges at 0, and so small that the law outweighs all bounds within rho of an edge. *)
   Lemma safe_distance_exists : exists rho, 0 < rho <= 1 /\ forall i, (i < n)%nat ->
     rho <= distance_to_edge i 0 /\ rho <= width_min i / 4 /\ rho * (force_max i + edge_speed i) <= g_min i * gain i.
   Proof.
@@ -216,7 +233,7 @@ Section Loop.
         apply Rle_trans with (r * (Rabs (force_max i + edge_speed i) + 1)); [apply Rmult_le_compat_l; lra|apply Rmult_le_compat_r; lra].
   Qed.
 
-  (* in fact it keeps a positive distance from every edge *)
+  (* The state stays at least rho away from every edge until t_c. *)
   Theorem keeps_safe_distance : exists rho, 0 < rho /\ forall t, 0 <= t <= t_c -> forall i, (i < n)%nat ->
     rho <= x i t - L i t /\ rho <= U i t - x i t.
   Proof.
@@ -269,6 +286,7 @@ Section Loop.
       assert (Lp := U_lipschitz i Hi s m). rewrite (Rabs_pos_eq (m - s)) in Lp by lra. apply Rabs_le_between in Lp. lra.
   Qed.
 
+  (* The state stays strictly inside the tube until t_c. *)
   Corollary stays_inside : forall t, 0 <= t <= t_c -> inside t.
   Proof. destruct keeps_safe_distance as (rho & Hr & H); intros t Ht i Hi; destruct (H t Ht i Hi); lra. Qed.
 End Loop.

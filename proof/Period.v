@@ -1,20 +1,27 @@
-(* P9: the numbers under which held inputs keep the state, decided by evaluation, window by window; and the theorem of the sampled
-   closed loop, from the emitted edges, the clock and the sensors to the sets of the task. *)
+(* P9 as a check: `period_check` decides window by window whether inputs that are held keep the state in an inner tube.
+   `sampled_loop_reach_avoid_stay` is the theorem about the sampled loop, from edges, clock and sensors to the sets of the task.
+
+   A theorem file about the tube uses `emitted_loop_reach_avoid_stay` as its third theorem; Sound.v applies the theorem to the whole C.
+   docs/certificate-format.md has the conditions as P9, the lemma book as `sampled.sharp` (docs/lemmas.md). theorem/hints.py finds the
+   hints. *)
 From Coq Require Import ZArith QArith Qreals Qabs Qminmax Reals List Bool Lia Lra Psatz.
 From Coquelicot Require Import Coquelicot.
 From Stt Require Import Tube Loop Speed Rounding Emitted EmittedTube HeldInputs HeldInputLaw Windows.
 Import ListNotations.
 Open Scope R_scope.
 
-(* Of one component. limit: u_max, where there is one. shift: what the law sees of a distance is wrong by at most that. *)
+(* One component: gain, clamp share (1 - e_max)/2, u_max where there is one, rho, the bound on drift and disturbance, bounds on g_ii and
+   |g_ij|, and the error of a distance that the law measures. *)
 Record component := Component {
   component_gain : Q; component_clamp_share : Q; component_u_limit : option Q; component_rho : Q; component_force_max : Q; component_g_min : Q; component_g_max : Q; component_cross_gain_max : Q; component_distance_error : Q }.
-(* lost: by the arithmetic of the law, in relative terms and of the logarithm. *)
+(* The sampled loop: the largest age of a sample, the largest delay until its input acts, the start share, the error of the law's
+   arithmetic (relative, and of the logarithm), and the components. *)
 Record sampling := Sampling { sampling_age_max : Q; sampling_delay : Q; sampling_start_share : Q; sampling_law_error : Q; components : list component }.
+(* What `component_at` returns beyond the list. *)
 Definition zero_component : component := Component 0 0 None 0 0 0 0 0 0.
 Definition component_at (conditions : sampling) (i : nat) : component := nth i (components conditions) zero_component.
 
-(* a .. a + m h in m cells. *)
+(* The interval from begin to begin + count step, cut into cells. *)
 Fixpoint width_cells (count : nat) (begin step : Q) : list (Q * Q) := match count with O => [] | S j => (begin, Qred (begin + step)) :: width_cells j (Qred (begin + step)) step end.
 
 Lemma width_cells_cover m : forall a h d, Q2R a <= d -> d <= Q2R a + INR m * Q2R h -> (0 < m)%nat -> exists c, In c (width_cells m a h) /\ Q2R (fst c) <= d <= Q2R (snd c).
@@ -29,26 +36,33 @@ Proof.
     rewrite E. rewrite S_INR in B. lra.
 Qed.
 
+(* The checks. cell_count is the number of cells into which the range of a window's width is cut; hints has by window and component a
+   bound on |u| and one on the logarithm in it, which are checked. *)
 Section Check.
   Variables (unit : Q) (spec : task) (rows : table) (conditions : sampling).
-  Variables (hints : list (list (Q * Q))).    (* by window and component: a bound on |u|, and one on the logarithm in it *)
-  Variable cell_count : nat.                        (* into so many the range of a window's width is cut *)
+  Variables (hints : list (list (Q * Q))).
+  Variable cell_count : nat.
   Let K := inject_Z (Z.of_nat (segment_count rows)).
 
+  (* 1/(1 + rho): the share of the width between an edge and the inner edge. *)
   Definition inner_share (i : nat) : Q := / (1 + component_rho (component_at conditions i)).
+  (* By window w and component i: the smallest and the largest width, in this window and in it or the one before (`recent`), and the
+     speed of the edges. *)
   Definition narrowest_width (w i : nat) : Q := unit * inject_Z (smallest_coefficient (width_bezier rows i w)).
   Definition widest_width (w i : nat) : Q := unit * inject_Z (largest_coefficient (width_bezier rows i w)).
   Definition narrowest_recent_width (w i : nat) : Q := Qmin (narrowest_width w i) (narrowest_width (w - 1) i).
   Definition widest_recent_width (w i : nat) : Q := Qmax (widest_width w i) (widest_width (w - 1) i).
   Definition window_speed_max (w i : nat) : Q := unit * (3 * inject_Z (window_step_max rows i w)) * (K / t_c spec).
+  (* The hint's bound on |u|, the sum of those of other components, and the bound on all that moves x but its own input. *)
   Definition window_input_max (w i : nat) : Q := fst (nth i (nth w hints []) (0, 0)%Q).
   Fixpoint window_other_inputs_max (m i : nat) (w : nat) : Q :=
     match m with O => 0 | S j => (if Nat.eq_dec j i then 0 else window_input_max w j) + window_other_inputs_max j i w end.
   Definition window_force_max (w i : nat) : Q := Qred (component_force_max (component_at conditions i) + component_cross_gain_max (component_at conditions i) * window_other_inputs_max (n spec) i w).
 
+  (* a < b. *)
   Definition is_less (a b : Q) : bool := is_positive (b - a).
 
-  (* |u| is at most U: it is limited to that, or the law makes no more of what it may see. *)
+  (* The hint is a bound on |u|: by u_max, or because the law is no larger for any sample in the inner tube. *)
   Definition input_max_check (w i : nat) : bool :=
     let c := component_at conditions i in let U := window_input_max w i in
     if Qle_bool 0 U then
@@ -59,6 +73,7 @@ Section Check.
         if is_positive N then if proves_exp_ge l Y then Qle_bool (component_gain c * / N * (1 + / Y) * (1 + sampling_law_error conditions) * (l + sampling_law_error conditions)) U else false else false
     else false.
 
+  (* For every width in a cell, a sample near an edge has an input that pulls back faster than closing_speed. *)
   Definition pull_check (i : nat) (closing_speed drift : Q) (cell : Q * Q) : bool :=
     let c := component_at conditions i in let z := inner_share i in
     let A := Qred (fst cell * (1 - z) - (drift + component_distance_error c)) in let B0 := Qred (fst cell * z + (drift + component_distance_error c)) in
@@ -69,6 +84,7 @@ Section Check.
       if is_positive most_pull then let l := Qred (closing_speed / most_pull + sampling_law_error conditions) in proves_exp_le l Y else false
     else false.
 
+  (* All conditions of P9 in window w, for component i. *)
   Definition window_check (w i : nat) : bool :=
     let c := component_at conditions i in let z := inner_share i in let v := window_speed_max w i in let f := window_force_max w i in let U := window_input_max w i in
     let P := Qred (f + v) in
@@ -84,6 +100,7 @@ Section Check.
       else false
     else false.
 
+  (* The numbers of a component are in range, and the start share is within the inner tube. *)
   Definition component_check (err : Q) (i : nat) : bool :=
     let c := component_at conditions i in
     is_positive (component_gain c) && is_positive (component_clamp_share c) && Qle_bool (component_clamp_share c * (1 + component_rho c)) 1 && Qle_bool 1 (component_rho c) &&
@@ -91,6 +108,7 @@ Section Check.
     Qle_bool err (component_distance_error c) && match component_u_limit c with Some m => Qle_bool 0 m | None => true end &&
     Qle_bool (sampling_start_share conditions) ((component_rho c - 1) / (component_rho c + 1)).
 
+  (* P9: the numbers are in range, a sample is at most a window old (half of one with a delay), and the conditions hold in every window. *)
   Definition period_check (err : Q) : bool :=
     (0 <? cell_count)%nat && Qle_bool 0 (sampling_law_error conditions) && Qle_bool (sampling_law_error conditions) (1 # 2) && is_positive (sampling_age_max conditions) && Qle_bool 0 (sampling_delay conditions) &&
     Qle_bool (K / t_c spec * (if Qle_bool (sampling_delay conditions) 0 then sampling_age_max conditions else 2 * sampling_age_max conditions)) 1 &&
@@ -119,6 +137,8 @@ Proof.
   assert (C := H m ltac:(lia) Ne). eapply Rle_trans; [apply Rabs_triang|]. lra.
 Qed.
 
+(* A tube and a sampled loop that the checks accept. Input p is computed from the sample of time sampled_at p, with edges seen_lower and
+   seen_upper, and acts from acts_from p on. *)
 Section Sampled.
   Variables (unit edge_error : Q) (plan : search_plan) (spec : task) (rows : table) (step_maxima : list Z).
   Variables (conditions : sampling) (hints : list (list (Q * Q))) (cell_count : nat).
@@ -137,7 +157,6 @@ Section Sampled.
 
   Variables (sampled_at acts_from : nat -> R) (seen_lower seen_upper : nat -> nat -> R) (x : nat -> R -> R) (measured : nat -> nat -> R).
   Variables (input : nat -> nat -> R) (push : nat -> R -> R) (G : nat -> nat -> R -> R).
-  (* the edges that the law sees are near the exact ones of the time when sample p is taken *)
   Hypothesis sampled_edges_near : forall p i, (i < n spec)%nat -> Rabs (seen_lower p i - L i (sampled_at p)) <= Q2R edge_error /\ Rabs (seen_upper p i - U i (sampled_at p)) <= Q2R edge_error.
   Hypothesis times_ordered : acts_from 0%nat = 0 /\ forall p, 0 <= sampled_at p <= acts_from p /\ acts_from p < acts_from (S p) /\
     acts_from (S p) - sampled_at p <= age_max /\ acts_from p - sampled_at p <= delay.
@@ -151,11 +170,13 @@ Section Sampled.
     Rabs (push i t) <= Q2R (component_force_max (axis_component i)) /\ Q2R (component_g_min (axis_component i)) <= G i i t <= Q2R (component_g_max (axis_component i)) /\
     forall j, (j < n spec)%nat -> j <> i -> Rabs (G i j t) <= Q2R (component_cross_gain_max (axis_component i)).
 
+  (* Real values of the check's rationals, by component and time. *)
   Let window_at (m : R) : nat := window_index rows (Q2R (t_c spec)) m.
   Let inner_share_real (i : nat) : R := / (1 + rho i).
   Let input_max_at (i : nat) (m : R) : R := Q2R (window_input_max hints (window_at m) i).
   Let edge_speed_at (i : nat) (m : R) : R := window_edge_speed rows (Q2R (t_c spec)) (Q2R unit) i (window_at m).
 
+  (* The checks, as statements about real numbers. *)
   Lemma tube_facts : 0 < Q2R unit /\ 0 < Q2R (t_c spec) /\ is_regular (n spec) rows = true /\ 0 < Q2R (min_width spec) /\ 0 <= Q2R edge_error.
   Proof.
     pose proof tube_checked as C. unfold tube_check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
@@ -230,10 +251,12 @@ Section Sampled.
     rewrite <- INR_IZR_INZ. replace (Q2R 3) with 3 by (unfold Q2R; cbn; lra). reflexivity.
   Qed.
 
+  (* How fast an edge and the state may approach each other, a bound on |u|, and how far both move between sample and switch. *)
   Let closing_speed (w i : nat) : R := Q2R (window_force_max spec conditions hints w i) + window_edge_speed rows (Q2R (t_c spec)) (Q2R unit) i w.
   Let window_input_max_real (w i : nat) : R := Q2R (window_input_max hints w i).
   Let window_drift (w i : nat) : R := closing_speed w i * age_max + Q2R (component_g_max (axis_component i)) * window_input_max_real w i * delay.
 
+  (* What `window_check` says, about real numbers. *)
   Lemma window_facts w i : (w <= segment_count rows)%nat -> (i < n spec)%nat ->
     input_max_check unit rows conditions hints w i = true /\ 0 < narrowest_real w i <= widest_real w i /\
     2 * distance_error i + Q2R (sampling_law_error conditions) * (Rmax (widest_real w i) (widest_real (w - 1) i) + 2 * distance_error i) <
@@ -278,6 +301,7 @@ Section Sampled.
   Lemma window_at_below_count t : (window_at t <= segment_count rows)%nat.
   Proof. apply Nat.le_min_r. Qed.
 
+  (* The distances that the law measures are near the true ones. *)
   Lemma seen_distances_near p i : (i < n spec)%nat ->
     let a := measured p i - seen_lower p i in
     let b := seen_upper p i - measured p i in
@@ -357,7 +381,7 @@ Section Sampled.
     = window_drift (window_at m) i.
   Proof. unfold drift_max. rewrite force_max_in_window. reflexivity. Qed.
 
-  (* In a window and the one before, the width is at most the larger of the two. *)
+  (* The width at a time of at most one sample's age earlier is at most the largest of two windows. *)
   Lemma recent_width_below i r m : (i < n spec)%nat -> r <= m <= r + age_max -> U i r - L i r <= Rmax (widest_real (window_at m) i) (widest_real (window_at m - 1) i).
   Proof.
     intros Hi Hm. destruct tube_facts as (Up & Tp & _). destruct period_facts as (_ & _ & T0 & _ & Ta & _).
@@ -375,6 +399,7 @@ Section Sampled.
     destruct tube_facts as (_ & _ & _ & _ & F). split; [exact A|split; [exact B|split; [exact C|split; [exact R|split; [exact D|lra]]]]].
   Qed.
 
+  (* The conditions of HeldInputs.v hold at the upper edge; by symmetry they hold at the lower one. *)
   Lemma side_condition_holds i m a b a' b' u p : (i < n spec)%nat -> a + b = U i (sampled_at p) - L i (sampled_at p) -> sampled_at p <= m <= sampled_at p + age_max ->
     acts_as_law (Q2R (component_gain (axis_component i))) (Q2R (component_clamp_share (axis_component i))) (Q2R (sampling_law_error conditions)) (u_limit i) a' b' u ->
     Rabs (a' - a) <= distance_error i -> Rabs (b' - b) <= distance_error i -> 0 < a' + b' ->
@@ -447,6 +472,7 @@ Section Sampled.
     - exact Li.
   Qed.
 
+  (* Between the exact edges the state is in the state space and clear of every unsafe set, and from t_c on in the target set. *)
   Lemma exact_tube_meets_task :
     (forall i t, (i < n spec)%nat -> L i t + Q2R (min_width spec) <= U i t) /\
     (forall t x, (forall i, (i < n spec)%nat -> L i t < x i < U i t) ->
@@ -460,6 +486,7 @@ Section Sampled.
     split; [apply (tube_sound unit edge_error Up spec rows plan tube_checked L U Near)|exact (inside_tube_meets_task unit edge_error Up spec rows plan tube_checked L U Near)].
   Qed.
 
+  (* The state is in the inner tube at all times until the last switch. *)
   Theorem sampled_loop_stays_in_inner_tube : forall p t, 0 <= t <= acts_from p -> in_inner_tube_at t.
   Proof.
     destruct tube_facts as (Up & Tp & Rg & Mw & er0). destruct period_facts as (_ & R & T0 & L0 & Ta & Tb & _).
@@ -520,7 +547,8 @@ Section Sampled.
           [ring|exact Hm|exact M0|apply (acts_as_law_odd _ _ _ _ _ _ _ li); [lra|exact Hs|exact Act]|exact Eb|exact Ea|lra|lra|exact Ha|exact Hb].
   Qed.
 
-  (* In the words of the task. *)
+  (* The theorem about the sampled loop: |e| stays bounded, the state in the state space and clear of every unsafe set, and from t_c on
+     in the target set. *)
   Theorem sampled_loop_reach_avoid_stay : forall p t, 0 <= t <= acts_from p ->
     (forall i, (i < n spec)%nat -> Rabs (2 * x i t - L i t - U i t) <= (rho i - 1) / (rho i + 1) * (U i t - L i t)) /\
     in_space spec (fun i => x i t) /\
@@ -538,7 +566,7 @@ Section Sampled.
   Qed.
 End Sampled.
 
-(* The same on the emitted edges, for a clock that shows a number at every time. *)
+(* The same where the law sees the emitted edges, for a clock that shows every time. *)
 Definition emitted_loop_reach_avoid_stay format unit edge_error plan spec rows step_maxima scale time_error conditions hints cell_count tube_checked slopes_checked (rounding_checked : rounding_check format unit edge_error spec rows step_maxima scale time_error = true) period_checked
   sampled_at acts_from (clock : R -> R) x measured input push G (clock_reads : forall t, clock_shows format (clock t) t) :=
   sampled_loop_reach_avoid_stay unit edge_error plan spec rows step_maxima conditions hints cell_count tube_checked slopes_checked period_checked sampled_at acts_from

@@ -1,6 +1,10 @@
-(* A reader of the C text that runs inside Coq: what the theorem says, it says of the program that this reader finds in the file.
-   It fails on whatever it does not know, and on what C reads before tokens. What functions that the theorem is not about do, it
-   leaves to the stand-alone checker. *)
+(* A reader of the C text that runs inside Coq: a theorem is about the program that this reader returns for the shipped file.
+
+   It fails on whatever it does not know, and on texts that C changes before it forms tokens. Functions that no theorem is about are
+   read, and left to the stand-alone checker. Each `read_` function takes a list of tokens and returns what it has read with the
+   remaining tokens; `expect_` functions return the remaining tokens alone. `fuel` bounds a recursion.
+
+   Design.v and theorem files use `read_source`, Toml.v and Header.v the tokens (docs/theorem.md says what Coq reads). *)
 From Coq Require Import ZArith NArith List Bool String Ascii.
 From Stt Require Import Syntax.
 Import ListNotations.
@@ -8,6 +12,7 @@ Open Scope string_scope.
 
 (* ------------------------------------------------------------------ tokens *)
 
+(* Character classes, by ASCII code. *)
 Definition code_between (low high c : N) : bool := if (low <=? c)%N then (c <=? high)%N else false.
 Definition is_digit (c : ascii) : bool := code_between 48 57 (N_of_ascii c).
 Definition is_upper (c : ascii) : bool := code_between 65 90 (N_of_ascii c).
@@ -16,15 +21,15 @@ Definition is_letter (c : ascii) : bool := is_upper c || is_lower c || (N_of_asc
 Definition is_blank (c : ascii) : bool := let n := N_of_ascii c in (n =? 32)%N || (n =? 10)%N.
 Definition is_newline (c : ascii) : bool := (N_of_ascii c =? 10)%N.
 
-(* What C reads before tokens is not in the text: a line that goes on, a trigraph, a comment to the end of its line, one that its own
-   star would close. A directive begins its line. And no two signs with blanks between them that C has as one
-   without, and no comment after one of these: each is a token here. *)
+(* After sign c, blanks and then a sign with which C would join c into one token, or a comment. *)
 Fixpoint joins_after_blanks (c : ascii) (s : string) : bool :=
   match s with
   | String d r => if is_blank d then joins_after_blanks c r else if Ascii.eqb d "/" then true else
       if existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"]%char then Ascii.eqb c d else Ascii.eqb d "=" || Ascii.eqb c ">" && Ascii.eqb d ">"
   | EmptyString => false
   end.
+(* The text has nothing that C changes before it forms tokens: no spliced line, trigraph, `//` comment, `/*/`, or directive within a
+   line. Nor are there two signs apart that C would join: here every sign is a token. *)
 Fixpoint has_plain_tokens (s : string) : bool :=
   match s with
   | EmptyString => true
@@ -41,13 +46,16 @@ Fixpoint has_plain_tokens (s : string) : bool :=
       end
   end.
 
+(* A word, a number, a sign, or the line of a directive. *)
 Inductive token := Word (w : string) | Number (w : string) | Sign (c : ascii) | Line (w : string).
 
-(* what is being read; a word is kept back to front *)
+(* The token that is being read, its characters back to front. *)
 Inductive reader_state := Between | InWord (w : string) | InNumber (w : string) | InComment (star : bool) | InLine (w : string) | AfterSlash.
 
+(* s back to front, before acc. *)
 Fixpoint reverse_onto (s acc : string) : string := match s with EmptyString => acc | String c r => reverse_onto r (String c acc) end.
 Definition ends_in_e (w : string) : bool := match w with String c _ => Ascii.eqb c "e" | _ => false end.
+(* The tokens with the one that is being read, which ends here; tokens are kept back to front. *)
 Definition close_token (st : reader_state) (l : list token) : option (list token) :=
   match st with
   | Between => Some l
@@ -57,7 +65,7 @@ Definition close_token (st : reader_state) (l : list token) : option (list token
   | InComment _ | AfterSlash => None
   end.
 
-(* a directive is its whole line; a comment is left out, but not inside a directive *)
+(* What begins with character c. A directive is its whole line. *)
 Definition begin_token (c : ascii) : option (reader_state * list token) :=
   if is_blank c then Some (Between, [])
   else if is_letter c then Some (InWord (String c ""), [])
@@ -67,6 +75,7 @@ Definition begin_token (c : ascii) : option (reader_state * list token) :=
   else if code_between 33 126 (N_of_ascii c) then Some (Between, [Sign c])
   else None.
 
+(* The tokens of a text; a comment is left out, but not inside a directive. *)
 Fixpoint tokenize (s : string) (st : reader_state) (acc : list token) : option (list token) :=
   match s with
   | EmptyString => match close_token st acc with Some l => Some (rev' l) | None => None end
@@ -89,6 +98,7 @@ Fixpoint tokenize (s : string) (st : reader_state) (acc : list token) : option (
 (* names that begin with the task's get an @ in its place: no name of the text has one; in capitals all of it is, else it begins small *)
 Definition to_upper (c : ascii) : ascii := if is_lower c then ascii_of_N (N_of_ascii c - 32) else c.
 Fixpoint map_string (f : ascii -> ascii) (s : string) : string := match s with EmptyString => "" | String c r => String (f c) (map_string f r) end.
+(* The rest of a string after a prefix. *)
 Fixpoint strip_prefix (prefix s : string) : option string :=
   match prefix, s with
   | EmptyString, _ => Some s
@@ -97,6 +107,8 @@ Fixpoint strip_prefix (prefix s : string) : option string :=
   end.
 Fixpoint all_characters (p : ascii -> bool) (s : string) : bool := match s with EmptyString => true | String c r => if p c then all_characters p r else false end.
 Definition begins_without_capital (s : string) : bool := match s with String c _ => negb (is_upper c) | EmptyString => false end.
+(* Replaces the task's name at the head of a word by @, so that all tasks have the same names: `<task>_` in small letters, `<TASK>_` in
+   capitals where the rest is in capitals too. No word of a C text contains an @. *)
 Definition mark_task_name (task : string) : token -> token :=
   let small := task ++ "_" in let big := map_string to_upper small in
   fun t => match t with
@@ -120,32 +132,35 @@ Definition expect_word (w : string) (l : list token) : option (list token) :=
 Fixpoint expect_signs (s : string) (l : list token) : option (list token) :=
   match s with EmptyString => Some l | String c s => let* l := expect_sign c l in expect_signs s l end.
 
+(* Words that are no names of variables or functions. *)
 Definition keywords : list string :=
   ["const"; "static"; "inline"; "void"; "bool"; "int32_t"; "uint32_t"; "if"; "else"; "for"; "while"; "do"; "return"; "true"; "false"; "isfinite"; "NAN"; "@real"; "@status";
    "@OK"; "@OUTSIDE_TUBE"; "@BAD_INPUT"; "@N"].
 Definition read_name (l : list token) : option (string * list token) :=
   match l with Word w :: r => if existsb (String.eqb w) keywords then None else Some (w, r) | _ => None end.
 
+(* The value of the digits at the head of a string, after those in v; how many there are, and the rest. *)
 Fixpoint read_digits (s : string) (v count : Z) : Z * Z * string :=
   match s with
   | String c r => if is_digit c then read_digits r (10 * v + Z.of_N (N_of_ascii c - 48)) (count + 1) else (v, count, s)
   | EmptyString => (v, count, s)
   end.
-(* no octal *)
+(* An int32_t literal, in decimal digits: 0 alone may begin with 0, for C reads others as octal. *)
 Definition read_integer (w : string) : option Z :=
   match read_digits w 0 0 with
   | (v, n, EmptyString) => match w with String "0" _ => if (n =? 1)%Z then Some 0%Z else None | _ => if (n =? 0)%Z then None else Some v end
   | _ => None
   end.
 
-(* with a U: an unsigned one *)
+(* A literal with a U. *)
 Definition read_unsigned (w : string) : option Z :=
   match read_digits w 0 0 with
   | (v, n, String "U" EmptyString) => match w with String "0" _ => None | _ => if (n =? 0)%Z then None else Some v end
   | _ => None
   end.
 
-(* What says how a real number lies in memory is in these words and no others: that its type has so many bits, and of y = m 2^e, by its bits, e and m. *)
+(* The helpers that take a number's exponent and mantissa from its bits, and the check of its size, must have exactly these texts. They
+   are the only statements about how a real number lies in memory. *)
 Definition same_token (s t : token) : bool :=
   match s, t with Word v, Word w | Number v, Number w => String.eqb v w | Sign c, Sign d => Ascii.eqb c d | _, _ => false end.
 Fixpoint expect_tokens (ts l : list token) : option (list token) :=
@@ -161,6 +176,7 @@ Definition exponent_helper_text (word cut shift : string) : string :=
 Definition mantissa_helper_text (word cut mask : string) : string :=
   "static inline p_real p_mantissa(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); bits = ((bits - " ++ cut ++ ") & " ++ mask ++ ") + " ++ cut ++ ";" ++
   " p_real m; (void)memcpy(&m, &bits, sizeof m); return m; }".
+(* The tokens of these three texts, in single or in double precision. *)
 Record memory_layout := MemoryLayout { size_check_tokens : list token; exponent_helper_tokens : list token; mantissa_helper_tokens : list token }.
 Definition memory_layout_of (single : bool) : memory_layout :=
   if single
@@ -168,10 +184,11 @@ Definition memory_layout_of (single : bool) : memory_layout :=
   else MemoryLayout (tokens_of_helper (size_check_text "8U")) (tokens_of_helper (exponent_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "52"))
          (tokens_of_helper (mantissa_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "0xfffffffffffffU")).
 
+(* The parser, for texts whose real literals end with `suffix`: "F" in single precision, "" in double. *)
 Section Parse.
-  Variable suffix : string. (* of a number in the program's own precision: "F" or "" *)
+  Variable suffix : string.
 
-  (* digits . digits [e [-] digits] suffix *)
+  (* digits . digits [e [-] digits] suffix, as digits and decimal exponent. *)
   Definition read_real (w : string) : option (Z * Z) :=
     match read_digits w 0 0 with
     | (v, a, String "." r) =>
@@ -192,8 +209,10 @@ Section Parse.
     | _ => None
     end.
 
+  (* Names that stand for literals. *)
   Definition named_constants : list (string * operand) :=
     [("true", BoolLiteral true); ("false", BoolLiteral false); ("@OK", IntLiteral 0); ("@OUTSIDE_TUBE", IntLiteral 1); ("@BAD_INPUT", IntLiteral 2)].
+  (* The entry of a name in a list. *)
   Definition lookup {A} (x : string) (l : list (string * A)) : option A :=
     (fix go l := match l with [] => None | (y, a) :: r => if String.eqb x y then Some a else go r end) l.
 
@@ -219,7 +238,7 @@ Section Parse.
     | _ => None
     end.
 
-  (* a, b, ..) after the opening bracket; results are written &x and come last *)
+  (* a, b, ..) after the opening bracket: values, then results, which are written &x. *)
   Fixpoint read_arguments (fuel : nat) (l : list token) : option (list operand * list string * list token) :=
     match fuel with
     | O => None
@@ -232,7 +251,7 @@ Section Parse.
         (let* (a, r) := read_operand l in go [a] [] r)
     end.
 
-  (* every expression ends with a semicolon *)
+  (* An expression, and the semicolon that ends it. *)
   Definition read_expression (l : list token) : option (expression * list token) :=
     (let* (a, r) := read_operand l in
        (let* r := expect_sign ";" r in Some (Operand a, r)) or
@@ -279,7 +298,7 @@ Section Parse.
     (let* r := expect_word "return" l in
        (let* r := expect_sign ";" r in Some (Return None, r)) or (let* (e, r) := read_expression r in Some (Return (Some e), r))).
 
-  (* statements up to the closing brace; the fuel is the number of tokens, and every statement has some *)
+  (* Statements up to the closing brace; the fuel is the number of tokens. *)
   Fixpoint read_block (fuel : nat) (l : list token) : option (list statement * list token) :=
     match fuel with
     | O => None
@@ -302,7 +321,7 @@ Section Parse.
              (let* r := expect_sign "," r in let* (ps, r) := read_parameters f r in Some (p :: ps, r))
     end.
 
-  Variable layout : memory_layout. (* what numbers of the program's own precision have there *)
+  Variable layout : memory_layout.
   Definition read_bit_helper (l : list token) : option (function * list token) :=
     (let* r := expect_tokens (exponent_helper_tokens layout) l in Some (Function "@exponent" "int32_t" [ByValue TReal "y"] [Return (Some (ExponentOf (Var "y")))], r)) or
     (let* r := expect_tokens (mantissa_helper_tokens layout) l in Some (Function "@mantissa" "@real" [ByValue TReal "y"] [Return (Some (MantissaOf (Var "y")))], r)).
@@ -334,10 +353,13 @@ Section Parse.
     | _ => None
     end.
 
-  (* directives come first, and what is defined has the task's name before its own: it is no function of a library *)
+  (* The name begins with the task's name. *)
   Definition has_task_mark (x : string) : bool := match x with String c _ => Ascii.eqb c "@" | EmptyString => false end.
+  (* Accepts a definition only where all directives come before it, and its name begins with the task's: so it is no function of a
+     library. *)
   Definition after_directives (x : string) (s : source) (whole : source) : option source :=
     match directives s with [] => if has_task_mark x then Some whole else None | _ => None end.
+  (* All directives and definitions of a file. *)
   Fixpoint read_file (fuel : nat) (l : list token) : option source :=
     match fuel, l with
     | O, _ => None
@@ -349,10 +371,12 @@ Section Parse.
         (let* (g, r) := read_function fuel l in let* s := read_file f r in after_directives (function_name g) s (Source [] (tables s) (g :: functions s)))
     end.
 
+  (* A C text as a program. *)
   Definition parse_text (task text : string) : option source :=
     if negb (has_plain_tokens text) then None else
     let* l := tokenize text Between [] in
     let l := map (mark_task_name task) l in
     read_file (S (List.length l)) l.
 End Parse.
+(* A C text of a task as a program; suffix "F" means single precision. *)
 Definition read_source (suffix task text : string) : option source := parse_text suffix (memory_layout_of (String.eqb suffix "F")) task text.

@@ -1,5 +1,9 @@
-(* P7 for straight-line code: every statement rounds once, and a forward analysis in rationals bounds what that adds up to. It is
-   proved for any rounding with a relative and an absolute error, and used for IEEE single and double precision as Flocq has them. *)
+(* Rounding errors of straight-line code (P7): every assignment rounds once, and a forward analysis in rationals bounds the error of each
+   result. It is proved for any rounding with a relative and an absolute error, and used for IEEE single and double precision as Flocq
+   defines them.
+
+   Emitted.v applies it to the emitted kernels `basis` and `blend`, and Edge.v to the machine's own operations. docs/certificate-
+   format.md derives the same bound (P7: `edge_error`). *)
 From Coq Require Import ZArith QArith Qreals Qminmax Qabs Qround Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core Relative.
 From Coquelicot Require Import Coquelicot.
@@ -9,21 +13,27 @@ Open Scope R_scope.
 
 (* ------------------------------------------------------------------ code: one operation a statement, each value assigned once *)
 
+(* An operand: `V i` is value number i, `C c` the integer c. In a theorem file the kernels of the C are written so. *)
 Inductive operand := V (i : nat) | C (c : Z).
 Inductive operation := Add | Sub | Mul.
+(* One assignment; its result gets the next number. *)
 Record assignment := Assignment { operation_of : operation; left_operand : operand; right_operand : operand }.
 
+(* The value of an operand, where `values` has all values so far. *)
 Definition operand_value (values : list R) (o : operand) : R := match o with V i => nth i values 0 | C c => IZR c end.
 Definition apply_operation (o : operation) (a b : R) : R := match o with Add => a + b | Sub => a - b | Mul => a * b end.
+(* All values after the code, where every result is rounded. *)
 Fixpoint run_assignments (rnd : R -> R) (code : list assignment) (values : list R) : list R :=
   match code with [] => values | s :: rest => run_assignments rnd rest (values ++ [rnd (apply_operation (operation_of s) (operand_value values (left_operand s)) (operand_value values (right_operand s)))]) end.
 
 (* ------------------------------------------------------------------ forward analysis in rationals *)
 
+(* What the analysis knows of a value: without rounding it is between low and high, and rounding moves it by at most `error`. *)
 Record enclosure := Enclosure { low : Q; high : Q; error : Q }.
+(* The largest absolute value between low and high. *)
 Definition largest_magnitude (a : enclosure) : Q := Qmax (Qabs (low a)) (Qabs (high a)).
 
-(* A little more, so that errors of errors do not make fractions long. *)
+(* q rounded up to a multiple of 2^-120: so fractions stay short where errors of errors add up. *)
 Definition rounded_up_to_grid (q : Q) : Q := Qceiling (q * inject_Z (2 ^ 120)) # (2 ^ 120).
 Lemma rounded_up_to_grid_bounds q : Q2R q <= Q2R (rounded_up_to_grid q).
 Proof.
@@ -34,13 +44,18 @@ Proof.
   right. unfold Q2R, inject_Z; cbn [Qnum Qden]. field.
 Qed.
 
+(* The analysis, for a rounding that loses at most |x| relative_error + absolute_error. *)
 Section Analysis.
   Variables relative_error absolute_error : Q.
+  (* What is known of a result that is between low_end and high_end without rounding, and has an error of at most error_before before it
+     is rounded. *)
   Definition enclosure_after_rounding (low_end high_end error_before : Q) : enclosure :=
     let low_end := Qred low_end in let high_end := Qred high_end in
     Enclosure low_end high_end (rounded_up_to_grid (error_before + (Qmax (Qabs low_end) (Qabs high_end) + error_before) * relative_error + absolute_error)).
+  (* What is known of an operand. *)
   Definition operand_enclosure (enclosures : list enclosure) (o : operand) : option enclosure :=
     match o with V i => nth_error enclosures i | C c => Some (Enclosure (inject_Z c) (inject_Z c) 0) end.
+  (* What is known of the result of an operation. *)
   Definition operation_enclosure (o : operation) (a b : enclosure) : enclosure :=
     match o with
     | Add => enclosure_after_rounding (low a + low b) (high a + high b) (error a + error b)
@@ -49,6 +64,7 @@ Section Analysis.
                      (Qmax (Qmax (low a * low b) (low a * high b)) (Qmax (high a * low b) (high a * high b)))
                      (largest_magnitude a * error b + largest_magnitude b * error a + error a * error b)
     end%Q.
+  (* What is known of all values after the code; None if an operand has no value yet. *)
   Fixpoint analyse_assignments (code : list assignment) (enclosures : list enclosure) : option (list enclosure) :=
     match code with
     | [] => Some enclosures
@@ -58,6 +74,7 @@ Section Analysis.
                    end
     end.
 
+  (* The enclosure is right about a value, exact and with rounding. *)
   Definition encloses (k : enclosure) (exact float : R) : Prop :=
     Q2R (low k) <= exact <= Q2R (high k) /\ Rabs (float - exact) <= Q2R (error k).
 
@@ -130,6 +147,7 @@ Section Analysis.
       + rewrite Rabs_mult. apply Rmult_le_compat; auto; apply Rabs_pos.
   Qed.
 
+  (* Every enclosure is right about its value. *)
   Inductive all_enclosed : list enclosure -> list R -> list R -> Prop :=
   | all_enclosed_nil : all_enclosed [] [] []
   | all_enclosed_cons k x f ks xs fs : encloses k x f -> all_enclosed ks xs fs -> all_enclosed (k :: ks) (x :: xs) (f :: fs).
@@ -144,6 +162,7 @@ Section Analysis.
     rewrite Q2R_Z, Rminus_diag_eq, Rabs_R0 by reflexivity. replace (Q2R 0) with 0 by (unfold Q2R; cbn; lra). lra.
   Qed.
 
+  (* What the analysis says is right. *)
   Theorem analyse_assignments_sound code : forall ks xs fs out, analyse_assignments code ks = Some out -> all_enclosed ks xs fs ->
     all_enclosed out (run_assignments (fun x => x) code xs) (run_assignments rounding code fs).
   Proof.
@@ -156,14 +175,15 @@ End Analysis.
 
 (* ------------------------------------------------------------------ IEEE single and double precision, rounding to nearest even *)
 
-(* Overflow is no part of these formats: a result is finite where it stays below the largest number of the format. *)
+(* Single or double precision. There is no overflow in these formats; Semantics.v and Edge.v prove that none occurs. *)
 Inductive format := Single | Double.
 Definition precision (f : format) : Z := match f with Single => 24 | Double => 53 end.
 Definition minimum_exponent (f : format) : Z := match f with Single => -149 | Double => -1074 end.
 Definition format_exponent (f : format) : Z -> Z := FLT_exp (minimum_exponent f) (precision f).
+(* A real number rounded to the nearest number of the format, ties to even. *)
 Definition round_to_format (f : format) : R -> R := round radix2 (format_exponent f) ZnearestE.
 
-(* A rounding loses at most this share of the value, and half of the least subnormal number. *)
+(* The relative error of a rounding, and its absolute error: half of the smallest subnormal number. *)
 Definition half_ulp (f : format) : Q := match f with Single => 1 # 2 ^ 24 | Double => 1 # 2 ^ 53 end.
 Definition half_smallest (f : format) : Q := match f with Single => 1 # 2 ^ 150 | Double => 1 # 2 ^ 1075 end.
 
@@ -196,7 +216,7 @@ Proof.
     change (/ 2) with (bpow radix2 (- (1))). rewrite <- bpow_plus. f_equal; ring.
 Qed.
 
-(* u - floor u is exact *)
+(* Subtracting its floor from a number of the format is exact. *)
 Lemma fractional_part_exact f u k : generic_format radix2 (format_exponent f) u -> IZR k <= u < IZR k + 1 -> (0 <= k)%Z -> round_to_format f (u - IZR k) = u - IZR k.
 Proof.
   intros G H K0. unfold round_to_format. apply round_generic; [apply valid_rnd_N|].
@@ -219,7 +239,8 @@ Proof.
 Qed.
 
 (* ------------------------------------------------------------------ the emitted kernels `basis` and `blend` *)
-(* 0: s; 1..4: q0..q3; then v0 .. v11 of basis (5 .. 16) and v0 .. v6 of blend (17 .. 23) *)
+(* The emitted kernels `basis` and `blend`, one assignment a line. Value 0 is s, values 1 to 4 are the coefficients q0 to q3. Values 5 to
+   16 are v0 to v11 of `basis`, 17 to 23 are v0 to v6 of `blend`; the last one is the edge. *)
 Definition basis_blend : list assignment := [
   Assignment Sub (C 1) (V 0);   (* 5  v0 *)
   Assignment Mul (V 5) (V 5);   (* 6  v1 *)
@@ -242,6 +263,7 @@ Definition basis_blend : list assignment := [
   Assignment Add (V 19) (V 22)  (* 23 *)
 ].
 
+(* A bound on the error of an edge at s in [0, 1], where no coefficient is larger than `largest`. *)
 Definition spline_evaluation_error (f : format) (largest : Q) : option Q :=
   match analyse_assignments (half_ulp f) (half_smallest f) basis_blend
           [Enclosure 0 1 0; Enclosure (- largest) largest 0; Enclosure (- largest) largest 0; Enclosure (- largest) largest 0; Enclosure (- largest) largest 0] with
@@ -249,6 +271,7 @@ Definition spline_evaluation_error (f : format) (largest : Q) : option Q :=
   | None => None
   end.
 
+(* The emitted kernels evaluate the cubic blend within that bound. *)
 Theorem spline_evaluation_near f largest e s a b c d : spline_evaluation_error f largest = Some e -> 0 <= s <= 1 ->
   Rabs a <= Q2R largest -> Rabs b <= Q2R largest -> Rabs c <= Q2R largest -> Rabs d <= Q2R largest ->
   Rabs (nth 23 (run_assignments (round_to_format f) basis_blend [s; a; b; c; d]) 0 -

@@ -1,12 +1,18 @@
-(* What the C does: an evaluator of the syntax over any arithmetic. It gives no result (None) for what C leaves undefined: an index outside an array, an
-   integer outside 32 bits, a division by an integer that is not positive, a conversion of a real number that has no integer, a variable without a value. So a
-   theorem that a run has a result excludes these. Unsigned integers are compared, chosen and converted, and have no arithmetic, so that none wraps around;
-   signed and unsigned together have no meaning here, for C would convert one of them. *)
+(* What the C does: an evaluator of the syntax over any arithmetic. It has no result (None) where C leaves the behaviour undefined: an
+   index outside an array, an integer outside 32 bits, a division by an integer that is not positive, a conversion of a real number that
+   has no integer, a variable without a value. So a theorem that a run has a result excludes all of these.
+
+   Unsigned integers are compared, chosen and converted. They have no arithmetic, so that none wraps around. Signed and unsigned integers
+   together have no meaning here, for C would convert one of them.
+
+   Control.v runs the emitted program with it, Semantics.v has the machine's arithmetic. *)
 From Coq Require Import ZArith List String Bool Lia.
 From Stt Require Import Syntax.
 Import ListNotations.
 Open Scope string_scope.
 
+(* An arithmetic of real numbers: a type, its operations, literals and conversions. to_integer is None where C leaves the conversion
+   undefined. exponent_of and mantissa_of are e and m of y = m 2^e, by the bits of y; e fits 32 bits (`exponent_range` of Semantics.v). *)
 Record arithmetic := Arithmetic {
   float : Type;
   add : float -> float -> float;
@@ -20,35 +26,45 @@ Record arithmetic := Arithmetic {
   nan : float;
   literal : decimal -> float;
   of_integer : Z -> float;
-  to_integer : float -> option Z; (* None where C leaves the conversion undefined *)
+  to_integer : float -> option Z;
   logarithm : float -> float;
-  exponent_of : float -> Z; (* of y = m 2^e, by the bits of y: e, within 32 bits (`exponent_range`), *)
-  mantissa_of : float -> float (* and m *)
+  exponent_of : float -> Z;
+  mantissa_of : float -> float
 }.
 
+(* The evaluator, over an arithmetic A. *)
 Section Run.
   Variable A : arithmetic.
   Notation number := (float A).
 
+  (* A value of a C type; Unset is a variable without a value. *)
   Inductive c_value := RealValue (x : number) | IntValue (z : Z) | UnsignedValue (z : Z) | BoolValue (b : bool) | Unset.
-  Definition environment := list (string * c_value).        (* the newest first *)
-  Definition array_stores := list (string * Z * number).             (* what is stored in arrays, the newest first *)
+  (* Variables with their values, the newest first. *)
+  Definition environment := list (string * c_value).
+  (* What was stored in arrays: array, index and number, the newest first. *)
+  Definition array_stores := list (string * Z * number).
+  (* What a function does, as a function of its arguments: the results by pointer, and the returned value if there is one. *)
   Definition kernel_meaning := list c_value -> option (list c_value * option c_value).
 
+  (* The newest entry of a name. *)
   Definition lookup_name {V} (x : string) (l : list (string * V)) : option V :=
     (fix go l := match l with [] => None | (y, v) :: r => if String.eqb x y then Some v else go r end) l.
+  (* A variable with a new value; None if it is not declared. *)
   Definition assign_name (x : string) (v : c_value) (l : environment) : option environment :=
     (fix go l := match l with
                  | [] => None
                  | (y, w) :: r => if String.eqb x y then Some ((y, v) :: r) else match go r with Some r => Some ((y, w) :: r) | None => None end
                  end) l.
 
+  (* An int32_t or a uint32_t, None outside its range. *)
   Definition int32 (z : Z) : option c_value := if (-2147483648 <=? z)%Z then if (z <=? 2147483647)%Z then Some (IntValue z) else None else None.
   Definition uint32 (z : Z) : option c_value := if (0 <=? z)%Z then if (z <=? 4294967295)%Z then Some (UnsignedValue z) else None else None.
 
+  (* The functions that may be called, and the arrays that may be read. *)
   Variable kernels : list (string * kernel_meaning).
   Variable arrays : string -> Z -> option number.
 
+  (* The value of an operand. *)
   Definition value_of (env : environment) (a : operand) : option c_value :=
     match a with
     | Var x => match lookup_name x env with Some Unset => None | v => v end
@@ -64,6 +80,7 @@ Section Run.
     | a :: r => match value_of env a with Some v => match values_of env r with Some vs => Some (v :: vs) | None => None end | None => None end
     end.
 
+  (* The result of an operator, for values of one type. *)
   Definition apply_operator (o : operator) (a b : c_value) : option c_value :=
     match a, b with
     | RealValue x, RealValue y =>
@@ -74,7 +91,7 @@ Section Run.
     | IntValue x, IntValue y =>
         match o with
         | Plus => int32 (x + y) | Minus => int32 (x - y) | Times => int32 (x * y)
-        | Divide => if (0 <? y)%Z then int32 (Z.quot x y) else None (* C cuts towards 0 *)
+        | Divide => if (0 <? y)%Z then int32 (Z.quot x y) else None (* C rounds towards 0 *)
         | Less => Some (BoolValue (x <? y)%Z) | _ => None
         end
     | UnsignedValue x, UnsignedValue y => match o with Less => Some (BoolValue (x <? y)%Z) | _ => None end
@@ -82,7 +99,7 @@ Section Run.
     | _, _ => None
     end.
 
-  (* the choice is made inside the constructor, so that it may stand for either *)
+  (* c ? a : b, for values of one type. The choice is made inside the constructor, so that the type is known without it. *)
   Definition choose (c : bool) (a b : c_value) : option c_value :=
     match a, b with
     | RealValue x, RealValue y => Some (RealValue (if c then x else y))
@@ -121,20 +138,22 @@ Section Run.
     | _, _ => None
     end.
 
-  (* variables of a block end with it *)
+  (* The environment after a block: without the block's own variables. *)
   Definition leave_block (outer env : environment) : environment := skipn (List.length env - List.length outer) env.
 
-  (* a run goes on (None) or returns, with a value or without *)
+  (* The outcome of a run: environment and stores, and a return with its value if the function has returned. *)
   Definition run_outcome := option (environment * array_stores * option (option c_value)).
 
   Section Block.
     Variable run_one : statement -> environment -> array_stores -> run_outcome.
+    (* A list of statements. *)
     Fixpoint run_block (l : list statement) (env : environment) (out : array_stores) : run_outcome :=
       match l with
       | [] => Some (env, out, None)
       | s :: r => match run_one s env out with Some (env, out, None) => run_block r env out | o => o end
       end.
     Variables (x : string) (body : list statement).
+    (* A loop over i, i + 1, .., count times. *)
     Fixpoint run_loop (count : nat) (i : Z) (env : environment) (out : array_stores) : run_outcome :=
       match count with
       | O => Some (env, out, None)
@@ -145,6 +164,7 @@ Section Run.
       end.
   End Block.
 
+  (* One statement. *)
   Fixpoint run_statement (s : statement) (env : environment) (out : array_stores) : run_outcome :=
     match s with
     | Let t x e => match expression_value env e with Some v => if has_type t v then Some ((x, v) :: env, out, None) else None | None => None end
@@ -169,7 +189,8 @@ Section Run.
     | Return (Some e) => match expression_value env e with Some v => Some (env, out, Some (Some v)) | None => None end
     end.
 
-  (* arguments by value; results without a value yet; arrays are named in the text and need no place here *)
+  (* The environment in which a function begins: arguments by value, results without a value. Arrays are named in the text and need no
+     entry. *)
   Fixpoint bind_parameters (ps : list parameter) (vs : list c_value) : option environment :=
     match ps, vs with
     | [], [] => Some []
@@ -178,6 +199,7 @@ Section Run.
     | ArrayIn _ :: ps, vs | ArrayOut _ :: ps, vs => bind_parameters ps vs
     | _, _ => None
     end.
+  (* The results by pointer, at the end of a function. *)
   Fixpoint pointer_results (ps : list parameter) (env : environment) : option (list c_value) :=
     match ps with
     | [] => Some []
@@ -185,8 +207,10 @@ Section Run.
     | _ :: ps => pointer_results ps env
     end.
 
+  (* A function with its arguments. *)
   Definition run_function (f : function) (vs : list c_value) : run_outcome := match bind_parameters (parameters f) vs with Some env => run_block run_statement (body f) env [] | None => None end.
 
+  (* A function as a kernel: it must store nothing in arrays. *)
   Definition kernel_of_function (f : function) : kernel_meaning := fun vs =>
     match run_function f vs with
     | Some (env, [], o) => match pointer_results (parameters f) env with Some rs => Some (rs, match o with Some v => v | None => None end) | None => None end
@@ -196,16 +220,17 @@ End Run.
 
 Arguments RealValue {A}. Arguments IntValue {A}. Arguments UnsignedValue {A}. Arguments BoolValue {A}. Arguments Unset {A}.
 
-(* a kernel sees what stands above it in the text *)
+(* The meanings of all functions of a file; each may call those above it. *)
 Fixpoint kernels_in_order (A : arithmetic) (fs : list function) (known : list (string * kernel_meaning A)) : list (string * kernel_meaning A) :=
   match fs with
   | [] => known
   | f :: r => kernels_in_order A r ((function_name f, kernel_of_function A known (fun _ _ => None) f) :: known)
   end.
+(* The library function for the logarithm. *)
 Definition math_library (A : arithmetic) (log_name : string) : list (string * kernel_meaning A) :=
   [(log_name, fun vs => match vs with [RealValue x] => Some ([], Some (RealValue (logarithm A x))) | _ => None end)].
 
-(* a function of the header: its tables, arguments and arrays; what it stores and what it returns *)
+(* Runs function f of a file, with arguments and the caller's arrays: what it stores and what it returns. *)
 Definition execute (A : arithmetic) (log_name : string) (s : source) (f : string) (vs : list (c_value A)) (arrays : string -> Z -> option (float A)) :
   option (array_stores A * option (c_value A)) :=
   let tables x i := match lookup_name x (tables s) with
@@ -224,7 +249,7 @@ Proof. intros [H1 H2]; unfold int32. apply Z.leb_le in H1, H2. now rewrite H1, H
 Lemma uint32_in_range A z : (0 <= z <= 4294967295)%Z -> uint32 A z = Some (UnsignedValue z).
 Proof. intros [H1 H2]; unfold uint32. apply Z.leb_le in H1, H2. now rewrite H1, H2. Qed.
 
-(* a loop keeps what its body keeps *)
+(* A loop keeps an invariant that its body keeps. *)
 Lemma run_loop_invariant A ks arrays x body (P : Z -> environment A -> array_stores A -> Prop) count : forall i env out,
   (forall j env out, (i <= j < i + Z.of_nat count)%Z -> P j env out ->
      exists inner out', run_block A (run_statement A ks arrays) body ((x, IntValue j) :: env) out = Some (inner, out', None) /\ P (j + 1)%Z (leave_block A env inner) out') ->

@@ -1,11 +1,15 @@
-(* The arithmetic of C on a machine with IEEE 754: Flocq's binary floats, rounding to nearest even, for any precision and exponent range at least binary32's.
-   Infinities and NaN are values like others here; that none occurs is proved from ranges. *)
+(* The machine's arithmetic: IEEE 754 floats of Flocq, rounded to the nearest, ties to even, for any precision and exponent range of at
+   least those of single precision. Infinity and NaN are values of the type; that none occurs is proved from ranges.
+
+   Edge.v, Law.v and Logarithm.v compute with it, Controller.v uses it for single and double precision. docs/theorem.md says what is
+   assumed of compiler and hardware. *)
 From Coq Require Import ZArith QArith Qreals Reals Lia Lra List Bool SpecFloat.
 From Flocq Require Import Core Relative IEEE754.BinarySingleNaN.
 From Flocq Require Plus_error.
 From Stt Require Import Syntax Run.
 Open Scope R_scope.
 
+(* A format with prec bits of significand and exponents below emax. *)
 Section Semantics.
   Variables prec emax : Z.
   Context (prec_gt_0_ : Prec_gt_0 prec).
@@ -15,6 +19,7 @@ Section Semantics.
   Notation number := (binary_float prec emax).
   Notation format_exponent := (FLT_exp (3 - emax - prec) prec).
 
+  (* A real number rounded to the format, and the relative error of a rounding. *)
   Definition round_nearest : R -> R := round radix2 format_exponent ZnearestE.
   Definition unit_roundoff : R := bpow radix2 (- prec).
 
@@ -22,10 +27,12 @@ Section Semantics.
 
   (* ---------------------------------------------------------------- literals *)
 
+  (* A literal as a fraction, numerator over denominator. *)
   Definition numerator (d : decimal) : positive := (Z.to_pos (digits d) * Z.to_pos (10 ^ Z.max 0 (decimal_exponent d)))%positive.
   Definition denominator (d : decimal) : positive := Z.to_pos (10 ^ Z.max 0 (- decimal_exponent d)).
   Definition decimal_value (d : decimal) : Q := if (digits d =? 0)%Z then 0%Q else (cond_Zopp (is_negative d) (Zpos (numerator d)) # denominator d)%Q.
 
+  (* A literal rounded to the format. *)
   Definition decimal_float (d : decimal) : spec_float :=
     if (digits d =? 0)%Z then S754_zero (is_negative d)
     else let '(m, e, l) := SFdiv_core_binary prec emax (Zpos (numerator d)) 0 (Zpos (denominator d)) 0 in
@@ -38,7 +45,7 @@ Section Semantics.
   Qed.
   Definition decimal_number (d : decimal) : number := SF2B (decimal_float d) (decimal_float_valid d).
 
-  (* a literal is the value it shows, rounded *)
+  (* A literal is its decimal value, rounded. *)
   Lemma decimal_number_rounds d : Rabs (round_nearest (Q2R (decimal_value d))) < bpow radix2 emax ->
     B2R (decimal_number d) = round_nearest (Q2R (decimal_value d)) /\ is_finite (decimal_number d) = true.
   Proof.
@@ -53,7 +60,7 @@ Section Semantics.
       rewrite E in H. rewrite Rlt_bool_true in H by exact B. destruct H as (H1 & H2 & _). split; [exact H1|exact H2].
   Qed.
 
-  (* the value of a float as a rational, to be computed *)
+  (* The value of a float as a rational, which Coq computes. *)
   Definition spec_float_value (x : spec_float) : Q :=
     match x with
     | S754_finite s m e => if (0 <=? e)%Z then inject_Z (cond_Zopp s (Zpos m) * 2 ^ e) else (cond_Zopp s (Zpos m) # Z.to_pos (2 ^ (- e)))%Q
@@ -67,6 +74,7 @@ Section Semantics.
     - unfold Q2R; cbn [Qnum Qden]. f_equal. assert (0 < 2 ^ (- e))%Z by (apply Z.pow_pos_nonneg; lia).
       rewrite Z2Pos.id by assumption. change 2%Z with (radix_val radix2). rewrite IZR_Zpower by lia. rewrite <- bpow_opp. f_equal; lia.
   Qed.
+  (* A literal is exactly the number v. *)
   Definition literal_equals (d : decimal) (v : Q) : bool :=
     match decimal_float d with S754_finite _ _ _ | S754_zero _ => Qeq_bool (spec_float_value (decimal_float d)) v | _ => false end.
   Lemma literal_equals_value d v : literal_equals d v = true -> B2R (decimal_number d) = Q2R v /\ is_finite (decimal_number d) = true.
@@ -78,11 +86,11 @@ Section Semantics.
 
   (* ---------------------------------------------------------------- bits *)
 
-  (* A number in memory as an unsigned integer: IEEE 754's interchange format. From the lowest bit: the fraction, the biased exponent, the sign.
-     There is one NaN, the quiet one. *)
+  (* A number in memory, as an unsigned integer in IEEE 754's interchange format. From the lowest bit: the fraction, the biased exponent,
+     the sign. There is one NaN, the quiet one. exponent_step is 1 in the exponent's field, bit_pattern_count the number of patterns. *)
   Definition minimum_exponent : Z := 3 - emax - prec.
-  Definition exponent_step : Z := 2 ^ (prec - 1). (* of the exponent's field *)
-  Definition bit_pattern_count : Z := 4 * emax * exponent_step. (* how many there are: 2^w *)
+  Definition exponent_step : Z := 2 ^ (prec - 1).
+  Definition bit_pattern_count : Z := 4 * emax * exponent_step.
   Definition bits (y : number) : Z :=
     let signed (s : bool) (z : Z) := (if s then z + bit_pattern_count / 2 else z)%Z in
     match y with
@@ -99,12 +107,14 @@ Section Semantics.
     else if (field =? 0)%Z then binary_normalize prec emax _ _ mode_NE (cond_Zopp s fraction) minimum_exponent s
     else binary_normalize prec emax _ _ mode_NE (cond_Zopp s (fraction + exponent_step)) (field - 1 + minimum_exponent) s.
 
-  (* y = m 2^e with m from about 1/sqrt 2 to about sqrt 2, as the C has it in unsigned arithmetic; `cut` are the bits of the least m *)
+  (* y = m 2^e with m from about 1/sqrt 2 to about sqrt 2, as the C computes it in unsigned arithmetic. mantissa_cut is the bit pattern
+     of the smallest m. *)
   Definition mantissa_cut : Z := if (prec =? 24)%Z then 0x3f3504f3 else 0x3fe6a09e667f3bcd.
   Definition exponent_by_bits (y : number) : Z := Z.shiftr ((bits y - mantissa_cut) mod bit_pattern_count) (prec - 1).
   Definition mantissa_by_bits (y : number) : number := of_bits ((Z.land ((bits y - mantissa_cut) mod bit_pattern_count) (Z.ones (prec - 1)) + mantissa_cut) mod bit_pattern_count).
 
-  (* below 512 in binary32 and below 4096 in binary64 *)
+  (* The exponent by bits is below 512 in single precision and below 4096 in double, so it fits an int32_t. No proof uses this: it is for
+     readers. *)
   Lemma exponent_range y : (0 <= exponent_by_bits y < 4 * emax)%Z.
   Proof.
     assert (S0 : (0 < exponent_step)%Z) by (apply Z.pow_pos_nonneg; lia). assert (W : (0 < bit_pattern_count)%Z) by (unfold bit_pattern_count; nia).
@@ -114,11 +124,14 @@ Section Semantics.
 
   (* ---------------------------------------------------------------- the machine *)
 
+  (* An integer as a float. *)
   Definition of_int (z : Z) : number := binary_normalize prec emax _ _ mode_NE z 0 false.
+  (* The machine's arithmetic; log_ is its library's logarithm. *)
   Definition machine (log_ : number -> number) : arithmetic :=
     Arithmetic number (Bplus mode_NE) (Bminus mode_NE) (Bmult mode_NE) (Bdiv mode_NE) Bopp Bltb Bleb is_finite B754_nan decimal_number of_int
       (fun x => if is_finite x then Some (Btrunc x) else None) log_ exponent_by_bits mantissa_by_bits.
 
+  (* Half of the range: results up to it do not overflow. *)
   Definition safe_maximum : R := bpow radix2 (emax - 1).
 
   Lemma round_nearest_le x y : x <= y -> round_nearest x <= round_nearest y.
@@ -162,7 +175,7 @@ Section Semantics.
   Lemma opp_is_exact (x : number) : B2R (Bopp x) = - B2R x /\ is_finite (Bopp x) = is_finite x.
   Proof. split; [apply B2R_Bopp|apply is_finite_Bopp]. Qed.
 
-  (* whole numbers up to 2^24 are floats *)
+  (* Integers up to 2^24 are floats. *)
   Lemma small_integer_in_format z : (Z.abs z <= 2 ^ 24)%Z -> generic_format radix2 format_exponent (IZR z).
   Proof.
     intro H. assert (E : F2R (Float radix2 z 0) = IZR z) by (unfold F2R; cbn; ring).
@@ -206,6 +219,7 @@ Section Semantics.
   Lemma unit_roundoff_as_half : / 2 * bpow radix2 (- prec + 1) = unit_roundoff.
   Proof. rewrite bpow_plus. unfold unit_roundoff. cbn [bpow]. change (Z.pow_pos radix2 1) with 2%Z. lra. Qed.
 
+  (* The absolute error of a rounding, from subnormal numbers. *)
   Definition underflow_error : R := bpow radix2 (-150).
   Lemma round_nearest_error x : Rabs (round_nearest x - x) <= Rabs x * unit_roundoff + underflow_error.
   Proof.
@@ -220,7 +234,7 @@ Section Semantics.
     intro H. rewrite <- unit_roundoff_as_half. apply (relative_error_N_FLT radix2 (3 - emax - prec) prec ltac:(exact prec_gt_0_) (fun x => negb (Z.even x))).
     apply Rle_trans with (2 := H). apply bpow_le. lia.
   Qed.
-  (* a sum of floats has no error that is not relative *)
+  (* A sum of floats has a relative error alone. *)
   Lemma sum_relative_error x y : generic_format radix2 format_exponent x -> generic_format radix2 format_exponent y -> Rabs (round_nearest (x + y) - (x + y)) <= unit_roundoff * Rabs (x + y).
   Proof.
     intros X Y. destruct (Plus_error.FLT_plus_error_N_ex radix2 (3 - emax - prec) prec (fun x => negb (Z.even x)) x y X Y) as (e & He & E).

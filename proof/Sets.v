@@ -1,30 +1,38 @@
-(* Convex sets that stand: what belongs to them, how far they reach along a normal, and what it means to be clear of them. *)
+(* Convex sets that do not move: membership, a bound on how far a set reaches along a normal, and what it means to be clear of a set.
+
+   Tube.v checks with it that a tube is separated from every unsafe set (P4). The words are those of docs/theorem.md; the lemma book has
+   the geometry as `shapes.*` (docs/lemmas.md). *)
 From Coq Require Import ZArith QArith Qreals Qabs Qminmax Reals List Bool Lia Lra Psatz.
 Import ListNotations.
 Open Scope R_scope.
 
+(* A box by its lower and its upper corner; a coordinate that a list lacks is 0. *)
 Record box := Box { lower_corner : list Q; upper_corner : list Q }.
+(* Number i of a list of rationals, as a real number; 0 beyond the end of the list. *)
 Definition real_at (l : list Q) (i : nat) : R := Q2R (nth i l 0%Q).
+(* The sum of u 0 .. u (m - 1). *)
 Fixpoint total (m : nat) (u : nat -> R) : R := match m with O => 0 | S j => u j + total j u end.
 
 (* ------------------------------------------------------------------ membership *)
 
-(* A point is within half-spaces normal . x <= offset. *)
+(* Point x is within all half-spaces (normal, offset): normal . x <= offset. *)
 Definition within_half_spaces (n : nat) (half_spaces : list (list Q * Q)) (x : nat -> R) : Prop :=
   forall h, In h half_spaces -> total n (fun i => real_at (fst h) i * x i) <= Q2R (snd h).
 
-(* The convex hull of points, or a box that half-spaces cut. *)
+(* The core of a set: the convex hull of points, or the part of a box that is within half-spaces. *)
 Inductive core := Hull (points : list (list Q)) | Cut (bounds : box) (half_spaces : list (list Q * Q)).
 
-(* A set is its core, and about each point of that a box and in some dimensions a ball. *)
+(* A set: all sums of a point of its core, a point of a box, and a point of a ball in the dimensions `ball_axes`. *)
 Record shape := Shape { shape_core : core; shape_box : box; ball_axes : list nat; ball_radius : Q }.
 
-(* Numbers that a list does not have are 0: this is the box alone, about the origin. *)
+(* A box alone, as a set: its core is the origin and its ball has radius 0. *)
 Definition shape_of_box (b : box) : shape := Shape (Hull [[]]) b [] 0.
 
+(* Coordinate i of the combination of points with these weights. *)
 Definition convex_combination (weights : list R) (points : list (list Q)) (i : nat) : R :=
   fold_right Rplus 0 (map (fun wp => fst wp * real_at (snd wp) i) (combine weights points)).
 
+(* Point q is in the core. *)
 Definition in_core (n : nat) (c : core) (q : nat -> R) : Prop :=
   match c with
   | Hull points => exists weights, length weights = length points /\ (forall w, In w weights -> 0 <= w) /\ fold_right Rplus 0 weights = 1 /\
@@ -32,18 +40,20 @@ Definition in_core (n : nat) (c : core) (q : nat -> R) : Prop :=
   | Cut bounds half_spaces => (forall i, (i < n)%nat -> real_at (lower_corner bounds) i <= q i <= real_at (upper_corner bounds) i) /\ within_half_spaces n half_spaces q
   end.
 
+(* Point y is in the set: y = q + b + r with q in the core, b in the box and r in the ball. *)
 Definition in_set (n : nat) (set : shape) (y : nat -> R) : Prop := exists q b r : nat -> R,
   in_core n (shape_core set) q /\
   (forall i, (i < n)%nat -> real_at (lower_corner (shape_box set)) i <= b i <= real_at (upper_corner (shape_box set)) i) /\
   (forall i, (i < n)%nat -> ~ In i (ball_axes set) -> r i = 0) /\ total n (fun i => (r i)^2) <= (Q2R (ball_radius set))^2 /\
   forall i, (i < n)%nat -> y i = q i + b i + r i.
 
-(* A state is clear of a set: of every point of it, it is farther away than c in some dimension. *)
+(* State x is clear of a set: from every point of the set it is farther away than the clearance in some dimension, which may differ from
+   point to point. *)
 Definition clear (n : nat) (clearance : R) (set : shape) (x : nat -> R) : Prop :=
   forall y, in_set n set y -> exists i, (i < n)%nat /\ clearance < Rabs (x i - y i).
 
-(* A box [L, U] is separated from a set: along some normal v all points of the box are beyond all points of the set, by as much as c
-   in every dimension makes. *)
+(* The box [L, U] is separated from a set: along some normal every point of the box is beyond every point of the set, by the clearance
+   times the 1-norm of the normal. *)
 Definition separated (n : nat) (clearance : R) (set : shape) (L U : nat -> R) : Prop :=
   exists normal : nat -> R, (exists i, (i < n)%nat /\ normal i <> 0) /\
     forall x y, (forall i, (i < n)%nat -> L i <= x i <= U i) -> in_set n set y ->
@@ -68,13 +78,14 @@ Proof. induction n; cbn; [ring|rewrite IHn; ring]. Qed.
 Lemma total_zero n : total n (fun _ => 0) = 0.
 Proof. induction n; cbn; lra. Qed.
 
+(* A decidable property holds for some index below n, or for none. *)
 Lemma exists_or_forall_not n (P : nat -> Prop) : (forall i, {P i} + {~ P i}) -> (exists i, (i < n)%nat /\ P i) \/ forall i, (i < n)%nat -> ~ P i.
 Proof.
   intro D. induction n as [|n [(i & Hi & E)|N]]; [right; lia|left; exists i; split; [lia|exact E]|].
   destruct (D n) as [E|E]; [left; exists n; split; [lia|exact E]|]. right. intros i Hi. destruct (Nat.eq_dec i n) as [->|Ne]; [exact E|apply N; lia].
 Qed.
 
-(* Strictly inside a box that is separated from a set, a state is clear of it: it is beyond the corner that is nearest to the set. *)
+(* A state strictly inside a box that is separated from a set is clear of the set. *)
 Lemma strictly_inside_separated_is_clear n clearance set L U x : separated n clearance set L U -> (forall i, (i < n)%nat -> L i < x i < U i) -> clear n clearance set x.
 Proof.
   intros (v & Nz & S) I y Y. destruct (exists_or_forall_not n (fun i => clearance < Rabs (x i - y i))) as [E|N]; [intro; apply Rlt_dec|exact E|]. exfalso.
@@ -91,7 +102,7 @@ Proof.
   rewrite total_plus, total_scale in C. lra.
 Qed.
 
-(* Of a box alone both are what they should be. *)
+(* For a box alone, membership means being between its corners. *)
 Lemma in_set_shape_of_box n b y : in_set n (shape_of_box b) y <-> forall i, (i < n)%nat -> real_at (lower_corner b) i <= y i <= real_at (upper_corner b) i.
 Proof.
   assert (O : forall i, real_at [] i = 0) by (intro; unfold real_at; destruct i; cbn; unfold Q2R; cbn; lra).
@@ -103,6 +114,8 @@ Proof.
     + rewrite (total_eq n _ (fun _ => 0)) by (intros; ring). rewrite total_zero. apply pow2_ge_0.
 Qed.
 
+(* For a box alone, being clear means being beyond one of its faces by more than the clearance. No proof uses this: it shows readers that
+   `clear` means what it should. *)
 Lemma clear_shape_of_box n c b x : 0 <= c -> (forall i, (i < n)%nat -> real_at (lower_corner b) i <= real_at (upper_corner b) i) ->
   clear n c (shape_of_box b) x <-> exists i, (i < n)%nat /\ (x i < real_at (lower_corner b) i - c \/ real_at (upper_corner b) i + c < x i).
 Proof.
@@ -115,32 +128,40 @@ Qed.
 
 (* ------------------------------------------------------------------ how far a set reaches, in rationals *)
 
+(* The sum of u 0 .. u (m - 1), in rationals. *)
 Fixpoint total_rational (m : nat) (u : nat -> Q) : Q := match m with O => 0%Q | S j => (u j + total_rational j u)%Q end.
+(* v q, without work where v is 0: most entries of a normal are 0. *)
 Definition product_skipping_zero (v q : Q) : Q := match Qnum v with Z0 => 0%Q | _ => (v * q)%Q end. (* factors of 0 are most, and cost nothing *)
 
+(* How far a box reaches along a normal. *)
 Definition box_support (n : nat) (normal : nat -> Q) (b : box) : Q :=
   total_rational n (fun i => product_skipping_zero (normal i) (nth i (if (0 <? Qnum (normal i))%Z then upper_corner b else lower_corner b) 0%Q)).
 
+(* The largest number of a list; 0 if it is empty. *)
 Definition maximum (l : list Q) : Q := match l with [] => 0%Q | a :: r => fold_right Qmax a r end.
 
-(* Half-spaces, each as often as its multiplier says: what they amount to in dimension i, and the sum of their offsets *)
+(* Entry i of the sum of the half-spaces' normals, each times its multiplier. A negative multiplier counts as 0. *)
 Fixpoint combined_normal (half_spaces : list (list Q * Q)) (multipliers : list Q) (i : nat) : Q :=
   match half_spaces, multipliers with f :: half_spaces, m :: multipliers => (Qmax 0 m * nth i (fst f) 0 + combined_normal half_spaces multipliers i)%Q | _, _ => 0%Q end.
+(* The sum of the half-spaces' offsets, each times its multiplier. *)
 Fixpoint combined_offset (half_spaces : list (list Q * Q)) (multipliers : list Q) : Q :=
   match half_spaces, multipliers with f :: half_spaces, m :: multipliers => (Qmax 0 m * snd f + combined_offset half_spaces multipliers)%Q | _, _ => 0%Q end.
 
-(* By the duality of linear programs some multipliers give the support itself; any give a bound. *)
+(* A bound on how far a core reaches along a normal. For half-spaces any multipliers give a bound; by duality of linear programs some
+   give the exact value. *)
 Definition core_support_bound (n : nat) (normal : nat -> Q) (multipliers : list Q) (c : core) : Q :=
   match c with
   | Hull points => maximum (map (fun p => total_rational n (fun i => product_skipping_zero (normal i) (nth i p 0%Q))) points)
   | Cut bounds half_spaces => (combined_offset half_spaces multipliers + box_support n (fun i => Qred (normal i - combined_normal half_spaces multipliers i)) bounds)%Q
   end.
 
+(* The sum of v_i^2 over these dimensions. *)
 Fixpoint sum_of_squares (n : nat) (normal : nat -> Z) (axes : list nat) : Z :=
   match n with O => 0%Z | S j => ((if existsb (Nat.eqb j) axes then normal j * normal j else 0) + sum_of_squares j normal axes)%Z end.
-(* the Euclidean norm of v in these dimensions, rounded up to a multiple of 2^-32 *)
+(* The Euclidean norm of v in these dimensions, rounded up to a multiple of 2^-32. *)
 Definition euclidean_norm_above (n : nat) (normal : nat -> Z) (axes : list nat) : Q := (Z.sqrt_up (sum_of_squares n normal axes * 2 ^ 64) # 4294967296)%Q.
 
+(* A bound on how far a set reaches along a normal: of its core, its box and its ball. *)
 Definition support_bound (n : nat) (normal : nat -> Z) (multipliers : list Q) (set : shape) : Q :=
   (core_support_bound n (fun i => inject_Z (normal i)) multipliers (shape_core set) + box_support n (fun i => inject_Z (normal i)) (shape_box set) + Qabs (ball_radius set) * euclidean_norm_above n normal (ball_axes set))%Q.
 
@@ -258,6 +279,7 @@ Qed.
 
 Lemma Q2R_integer z : Q2R (inject_Z z) = IZR z. Proof. unfold Q2R; cbn; lra. Qed.
 
+(* No point of the set is farther along the normal than `support_bound` says. *)
 Theorem support_bounds n normal multipliers set y : in_set n set y -> total n (fun i => IZR (normal i) * y i) <= Q2R (support_bound n normal multipliers set).
 Proof.
   intros (q & b & r & Hq & Hb & Ho & Hr & Y). unfold support_bound. rewrite !Q2R_plus, Q2R_mult.

@@ -1,5 +1,9 @@
-(* How fast the edges are, from the differences of neighbouring Bezier coefficients; then the closed loop of Loop.v with the tube
-   of Tube.v: reach, avoid and stay in continuous time. *)
+(* How fast the edges are, by the differences of neighbouring Bezier coefficients; and `reach_avoid_stay`, the closed loop of Loop.v in
+   the tube of Tube.v: a plant under the law in continuous time stays in the state space, avoids every unsafe set and reaches the target
+   set.
+
+   Emitted.v and Windows.v use the speed; a theorem file about the tube alone uses `reach_avoid_stay` as its second theorem
+   (docs/theorem.md). The lemma book has it as `refined.rates_shipped` and `theorem.component` (docs/lemmas.md). *)
 From Coq Require Import ZArith QArith Qreals Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core.Raux.
 From Coquelicot Require Import Coquelicot.
@@ -7,18 +11,22 @@ From Stt Require Import Tube Loop.
 Import ListNotations.
 Open Scope R_scope.
 
+(* Neighbouring coefficients differ by at most step_max. *)
 Definition steps_within (step_max : Z) (c : bezier) : bool :=
   ((Z.abs (c1 c - c0 c) <=? step_max) && (Z.abs (c2 c - c1 c) <=? step_max) && (Z.abs (c3 c - c2 c) <=? step_max))%Z.
+(* On every segment this holds for both edges of dimension i. *)
 Definition edge_steps_within (step_max : Z) (i : nat) (rows : table) : bool :=
   forallb (fun p => let c := nth i p (zero_bezier, zero_bezier) in steps_within step_max (fst c) && steps_within step_max (snd c)) (pieces rows).
 
-(* What reach_avoid_stay and its followers ask beyond `check`, also decided by evaluation. *)
+(* What the theorems about motion need besides `tube_check`: a positive smallest width, an error that is not negative, and bounds on the
+   steps of the edges. *)
 Definition slopes_check (edge_error : Q) (spec : task) (rows : table) (step_maxima : list Z) : bool :=
   (is_positive (min_width spec) && Qle_bool 0 edge_error && forallb (fun i => edge_steps_within (nth i step_maxima 0%Z) i rows) (seq 0 (n spec)))%bool.
 
 Lemma Zabs_bounds a V : (Z.abs a <= V)%Z -> - IZR V <= IZR a <= IZR V.
 Proof. intro H; apply Z.abs_le in H; rewrite <- opp_IZR; split; apply IZR_le; lia. Qed.
 
+(* Such a polynomial changes by at most 3 step_max a unit of s. *)
 Lemma steps_within_lipschitz step_max c s r : steps_within step_max c = true -> 0 <= s <= 1 -> 0 <= r <= 1 ->
   Rabs (bezier_value c r - bezier_value c s) <= 3 * IZR step_max * Rabs (r - s).
 Proof.
@@ -41,6 +49,7 @@ Proof.
   apply Rabs_le. pose proof (D s s Hs Hs). pose proof (D s r Hs Hr). pose proof (D r r Hr Hr). lra.
 Qed.
 
+(* One edge, of dimension i: `side` picks it in a pair of the table, `bezier_of_side` in a pair of polynomials. *)
 Section EdgeColumn.
   Variables (rows : table) (n i : nat) (step_max : Z) (side : Z * Z -> Z) (bezier_of_side : bezier * bezier -> bezier).
   Hypothesis rows_regular : is_regular n rows = true.
@@ -48,6 +57,7 @@ Section EdgeColumn.
   Hypothesis side_matches : (side = fst /\ bezier_of_side = fst) \/ (side = snd /\ bezier_of_side = snd).
   Hypothesis steps_checked : edge_steps_within step_max i rows = true.
   Let K := segment_count rows.
+  (* The edge in units, by spline time; `segment_bezier` is its polynomial on segment k. *)
   Let edge_spline (u : R) := spline (edge_column side i rows) u.
   Let segment_bezier (k : nat) := bezier_of_side (nth i (nth k (pieces rows) []) (zero_bezier, zero_bezier)).
 
@@ -70,6 +80,7 @@ Section EdgeColumn.
     cbv zeta. rewrite !edge_column_nth by exact side_of_zero. rewrite segment_bezier_value by exact Hk. apply cubic_blend_is_bezier.
   Qed.
 
+  (* On segment k, ends included, the edge is that polynomial. *)
   Lemma edge_spline_in_segment k u : (k < K)%nat -> INR k <= u <= INR k + 1 -> edge_spline u = bezier_value (segment_bezier k) (u - INR k).
   Proof.
     intros Hk Hu.
@@ -105,6 +116,7 @@ Section EdgeColumn.
     apply Zabs_bounds in A; lra.
   Qed.
 
+  (* The edge changes by at most 3 step_max units a segment. *)
   Lemma edge_spline_lipschitz k : (k <= K)%nat -> forall u r, 0 <= u -> u <= r -> r <= INR k -> Rabs (edge_spline r - edge_spline u) <= 3 * IZR step_max * (r - u).
   Proof.
     pose proof step_max_nonneg as V0.
@@ -124,9 +136,11 @@ Section EdgeColumn.
   Qed.
 End EdgeColumn.
 
+(* Limited time runs no faster than time, and not backwards. *)
 Lemma clamped_time_lipschitz t_c s t : s <= t -> 0 <= clamped_time t_c t - clamped_time t_c s <= t - s \/ t_c < 0.
 Proof. unfold clamped_time, Rmax, Rmin; intros; repeat destruct Rle_dec; lra. Qed.
 
+(* An edge is Lipschitz in time. *)
 Lemma edge_lipschitz n i step_max unit t_c rows side : is_regular n rows = true -> (i < n)%nat -> 0 < unit -> 0 < t_c -> edge_steps_within step_max i rows = true ->
   side = fst \/ side = snd -> lipschitz (unit * (3 * IZR step_max) * (INR (segment_count rows) / t_c)) (edge unit t_c rows side i).
 Proof.
@@ -155,6 +169,7 @@ Qed.
 
 (* ------------------------------------------------------------------ reach-avoid-stay of the closed loop *)
 
+(* A tube that the checks accept, and a plant xdot = f + g u, |f| <= force_max, g >= g_min > 0, of which nothing else is known. *)
 Section ReachAvoidStay.
   Variables (unit edge_error : Q) (plan : search_plan) (spec : task) (rows : table) (step_maxima : list Z).
   Hypothesis tube_checked : tube_check unit edge_error plan spec rows = true.
@@ -174,6 +189,7 @@ Section ReachAvoidStay.
     is_derive (x i) t (f i t + g i t * law (gain i) (x i t - L i t) (U i t - x i t)) /\
     Rabs (f i t) <= force_max i /\ g_min i <= g i t.
 
+  (* The theorem about continuous time: stay in the state space, avoid every unsafe set, reach the target set at t_c. *)
   Theorem reach_avoid_stay :
     (forall t, 0 <= t <= end_time -> in_space spec (fun i => x i t)) /\
     (forall t o, 0 <= t <= end_time -> In o (unsafe_sets spec) -> clear (n spec) (Q2R (clearance spec)) o (fun i => x i t)) /\

@@ -1,8 +1,13 @@
-(* A refined tube: uniform cubic B-spline edges from a table of integers, a check over Z, and what follows from its `true`.
+(* A refined tube: edges that are uniform cubic B-splines with a table of integer control points, a check `tube_check` that computes with
+   integers, and the theorem `tube_sound`: where the check says true, properties P1 to P5 hold at every time.
 
-   A requirement is a disjunction of lower bounds on sums of edges. On a segment a sum lies above its least Bezier coefficient;
-   where that shows too little the segment is halved, and each half may choose another of the disjuncts. So an obstacle may be
-   passed below in one half and above in the next. Normals that separate may come from outside: none of them is believed. *)
+   A requirement is a disjunction of lower bounds on weighted sums of edges. On a segment of the spline such a sum is at least its
+   smallest Bezier coefficient. Where that proves too little, the segment is halved, and each half may satisfy another part of the
+   disjunction: an obstacle may be passed below in one half and above in the next. Separating normals come from outside and are only
+   tried, never believed.
+
+   Speed.v, Emitted.v, Windows.v and all later files build on it. The lemma book has the mathematics as `refined.*` and `rows.*`
+   (docs/lemmas.md), docs/certificate.md the properties. *)
 From Coq Require Import ZArith QArith Qreals Qround Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core.Raux.
 From Coquelicot Require Import Coquelicot.
@@ -12,34 +17,40 @@ Open Scope R_scope.
 
 (* ------------------------------------------------------------------ the edge, as the emitted code computes it *)
 
-(* control points are already divided by 6 *)
+(* A cubic B-spline on one segment, at s in [0, 1]. The control points q are already divided by 6. *)
 Definition cubic_blend (q0 q1 q2 q3 : Z) (s : R) : R :=
   IZR q0 * (1 - s)^3 + IZR q1 * (3*s^3 - 6*s^2 + 4) + IZR q2 * (- 3*s^3 + 3*s^2 + 3*s + 1) + IZR q3 * s^3.
 
-(* segment of spline time u when there are K: floor u, held within 0 .. K-1 *)
+(* The segment of a spline time when there are `count` segments: its floor, limited to 0 .. count - 1. *)
 Definition segment_index (count : nat) (spline_time : R) : nat := Nat.min (Z.to_nat (Zfloor spline_time)) (count - 1).
 
+(* The spline with control points q, at spline time u: segment k begins at u = k. *)
 Definition spline (q : list Z) (u : R) : R :=
   let k := segment_index (length q - 3) u in
   cubic_blend (nth k q 0%Z) (nth (k+1) q 0%Z) (nth (k+2) q 0%Z) (nth (k+3) q 0%Z) (u - INR k).
 
-(* a table has one row per control point, and in it a pair (lower, upper) per dimension *)
+(* A table of control points: one row for each, with a pair (lower, upper) for each dimension, in units. *)
 Definition table := list (list (Z * Z)).
+(* The control points of an edge: `side` is fst for the lower edge, snd for the upper one; i is the dimension. *)
 Definition edge_column (side : Z * Z -> Z) (i : nat) (rows : table) : list Z := map (fun r => side (nth i r (0, 0)%Z)) rows.
 Definition segment_count (rows : table) : nat := length rows - 3.
+(* Time t, limited to [0, t_c]. *)
 Definition clamped_time (t_c t : R) : R := Rmax 0 (Rmin t t_c).
 
-(* an edge: held at its start before 0 and at its end from T on *)
+(* An edge as a function of time. Before 0 it has its value at 0, from t_c on its value at t_c. *)
 Definition edge (unit t_c : R) (rows : table) (side : Z * Z -> Z) (i : nat) (t : R) : R :=
   unit * spline (edge_column side i rows) (INR (segment_count rows) / t_c * clamped_time t_c t).
 
 (* ------------------------------------------------------------------ Bezier coefficients *)
 
+(* A cubic polynomial on [0, 1] by its four Bezier coefficients. *)
 Record bezier := Bezier { c0 : Z; c1 : Z; c2 : Z; c3 : Z }.
 
+(* The value of such a polynomial at s. *)
 Definition bezier_value (c : bezier) (s : R) : R :=
   IZR (c0 c) * (1-s)^3 + 3 * IZR (c1 c) * (1-s)^2 * s + 3 * IZR (c2 c) * (1-s) * s^2 + IZR (c3 c) * s^3.
 
+(* The Bezier coefficients of one segment, from its four control points. *)
 Definition bezier_of_spline (q0 q1 q2 q3 : Z) : bezier :=
   Bezier (q0 + 4*q1 + q2) (4*q1 + 2*q2) (2*q1 + 4*q2) (q1 + 4*q2 + q3).
 
@@ -48,7 +59,8 @@ Ltac izr := repeat (rewrite plus_IZR || rewrite minus_IZR || rewrite mult_IZR ||
 Lemma cubic_blend_is_bezier q0 q1 q2 q3 s : cubic_blend q0 q1 q2 q3 s = bezier_value (bezier_of_spline q0 q1 q2 q3) s.
 Proof. unfold cubic_blend, bezier_value, bezier_of_spline; cbn [c0 c1 c2 c3]; izr; ring. Qed.
 
-(* de Casteljau's halves, times 8: coefficients stay integers, and the bound is multiplied by 8 with each halving. *)
+(* The polynomial on the first half of its interval, times 8 so that coefficients stay integers (de Casteljau). Each halving multiplies a
+   bound by 8. *)
 Definition first_half (c : bezier) : bezier :=
   Bezier (8 * c0 c) (4 * (c0 c + c1 c)) (2 * (c0 c + 2 * c1 c + c2 c)) (c0 c + 3 * c1 c + 3 * c2 c + c3 c).
 Definition second_half (c : bezier) : bezier :=
@@ -59,13 +71,16 @@ Proof. unfold bezier_value, first_half; cbn [c0 c1 c2 c3]; izr; field. Qed.
 Lemma second_half_value c s : bezier_value (second_half c) s = 8 * bezier_value c ((1 + s) / 2).
 Proof. unfold bezier_value, second_half; cbn [c0 c1 c2 c3]; izr; field. Qed.
 
+(* The polynomial a c + b d. *)
 Definition bezier_combination (a : Z) (c : bezier) (b : Z) (d : bezier) : bezier :=
   Bezier (a * c0 c + b * c0 d) (a * c1 c + b * c1 d) (a * c2 c + b * c2 d) (a * c3 c + b * c3 d).
 Lemma bezier_combination_value a c b d s : bezier_value (bezier_combination a c b d) s = IZR a * bezier_value c s + IZR b * bezier_value d s.
 Proof. unfold bezier_value, bezier_combination; cbn [c0 c1 c2 c3]; izr; ring. Qed.
 
+(* All coefficients are at least z. *)
 Definition coefficients_at_least (z : Z) (c : bezier) : bool := ((z <=? c0 c) && (z <=? c1 c) && (z <=? c2 c) && (z <=? c3 c))%Z.
 
+(* Then so is every value on [0, 1]: the polynomial lies in the convex hull of its coefficients. *)
 Lemma bezier_value_at_least z c s : coefficients_at_least z c = true -> 0 <= s <= 1 -> IZR z <= bezier_value c s.
 Proof.
   unfold coefficients_at_least, bezier_value; rewrite !andb_true_iff, !Z.leb_le; intros [[[A B] C] D] [E F].
@@ -84,36 +99,45 @@ Qed.
 
 (* ------------------------------------------------------------------ requirements and the checker *)
 
+(* The edges on one segment: by dimension the polynomials of the lower and of the upper edge. *)
 Definition piece := list (bezier * bezier).
 Definition zero_bezier := Bezier 0 0 0 0.
 
-(* Over the terms, the sum of wl * lower + wu * upper of the edges of one dimension is >= least, in units of the table. *)
+(* lower_weight times the lower edge plus upper_weight times the upper edge, of one dimension. *)
 Record term := Term { axis : nat; lower_weight : Z; upper_weight : Z }.
+(* The sum of the terms is at least `bound`, in units of the table. *)
 Record edge_inequality := EdgeInequality { terms : list term; bound : Z }.
+(* An inequality with one term. *)
 Definition single_axis_inequality (i : nat) (l u v : Z) : edge_inequality := EdgeInequality [Term i l u] v.
-Definition requirement := list edge_inequality. (* one of them must hold; which one may differ from half to half *)
+(* A disjunction: at every time one of the inequalities must hold. Which one may differ from half to half of a segment. *)
+Definition requirement := list edge_inequality.
 
+(* The polynomial of a term on a piece. *)
 Definition term_bezier (e : term) (p : piece) : bezier :=
   let c := nth (axis e) p (zero_bezier, zero_bezier) in bezier_combination (lower_weight e) (fst c) (upper_weight e) (snd c).
 Fixpoint terms_bezier (es : list term) (p : piece) : bezier :=
   match es with [] => zero_bezier | [e] => term_bezier e p | e :: es => bezier_combination 1 (term_bezier e p) 1 (terms_bezier es p) end.
 Definition inequality_bezier (a : edge_inequality) (p : piece) : bezier := terms_bezier (terms a) p.
+(* One of the inequalities follows from the coefficients of its polynomial. `scale` is 8 for each halving so far. *)
 Definition follows_from_coefficients (scale : Z) (p : piece) (requirement : requirement) : bool :=
   existsb (fun a => coefficients_at_least (scale * bound a) (inequality_bezier a p)) requirement.
 
+(* A piece with both its edges changed by f. *)
 Definition map_edges (f : bezier -> bezier) (p : piece) : piece := map (fun c => (f (fst c), f (snd c))) p.
 
+(* All requirements hold on a piece: by coefficients, or on both halves; it is halved at most `depth` times. *)
 Fixpoint check_piece (depth : nat) (scale : Z) (p : piece) (requirements : list requirement) : bool :=
   match filter (fun r => negb (follows_from_coefficients scale p r)) requirements with
   | [] => true
   | unproved => match depth with
            | O => false
-           | S d => if check_piece d (8 * scale) (map_edges first_half p) unproved then check_piece d (8 * scale) (map_edges second_half p) unproved else false (* lazily *)
+           | S d => if check_piece d (8 * scale) (map_edges first_half p) unproved then check_piece d (8 * scale) (map_edges second_half p) unproved else false (* no &&: the second half costs nothing where the first fails *)
            end
   end.
 
 Definition term_value (e : term) (p : piece) (s : R) : R :=
   let c := nth (axis e) p (zero_bezier, zero_bezier) in IZR (lower_weight e) * bezier_value (fst c) s + IZR (upper_weight e) * bezier_value (snd c) s.
+(* The sum of the terms of an inequality, at s on a piece. *)
 Definition terms_value (a : edge_inequality) (p : piece) (s : R) : R := fold_right (fun e v => term_value e p s + v) 0 (terms a).
 
 Lemma inequality_bezier_value a p s : bezier_value (inequality_bezier a p) s = terms_value a p s.
@@ -143,6 +167,7 @@ Proof.
   rewrite inequality_bezier_value, mult_IZR in H; exact H.
 Qed.
 
+(* Where `check_piece` says true, one inequality of every requirement holds at every s. *)
 Lemma check_piece_sound depth : forall scale p rs, check_piece depth scale p rs = true ->
   forall s, 0 <= s <= 1 -> forall r, In r rs -> exists a, In a r /\ IZR scale * IZR (bound a) <= terms_value a p s.
 Proof.
@@ -160,6 +185,7 @@ Proof.
     intro c; rewrite second_half_value; do 2 f_equal; field.
 Qed.
 
+(* The piece of four consecutive rows of the table. *)
 Fixpoint piece_of_rows (r0 r1 r2 r3 : list (Z * Z)) : piece :=
   match r0, r1, r2, r3 with
   | (a0, b0) :: r0, (a1, b1) :: r1, (a2, b2) :: r2, (a3, b3) :: r3 =>
@@ -167,6 +193,7 @@ Fixpoint piece_of_rows (r0 r1 r2 r3 : list (Z * Z)) : piece :=
   | _, _, _, _ => []
   end.
 
+(* The pieces of all segments. *)
 Fixpoint pieces (rows : table) : list piece :=
   match rows with
   | r0 :: ((r1 :: r2 :: r3 :: _) as rest) => piece_of_rows r0 r1 r2 r3 :: pieces rest
@@ -198,6 +225,7 @@ Qed.
 
 (* ------------------------------------------------------------------ from a piece to the edges *)
 
+(* Every row has n pairs, and there are at least four rows. *)
 Definition is_regular (n : nat) (rows : table) : bool := forallb (fun r => Nat.eqb (length r) n) rows && (4 <=? length rows)%nat.
 
 Lemma is_regular_lengths n rows : is_regular n rows = true ->
@@ -215,6 +243,7 @@ Proof.
   unfold f; destruct i; symmetry; exact S.
 Qed.
 
+(* The spline time is within its segment. *)
 Lemma segment_index_range K u : (0 < K)%nat -> 0 <= u <= INR K -> (segment_index K u < K)%nat /\ 0 <= u - INR (segment_index K u) <= 1.
 Proof.
   intros HK [U0 U1]; unfold segment_index; split; [lia|].
@@ -227,6 +256,7 @@ Proof.
     assert (INR (K - 1) = INR K - 1) by (rewrite minus_INR by lia; cbn; lra). lra.
 Qed.
 
+(* The time in segments: 0 at t = 0 and before, the number of segments from t_c on. *)
 Definition spline_time (t_c : R) (rows : table) (t : R) : R := INR (segment_count rows) / t_c * clamped_time t_c t.
 
 Lemma clamped_time_range t_c t : 0 < t_c -> 0 <= clamped_time t_c t <= t_c.
@@ -243,9 +273,11 @@ Proof.
   right; field; lra.
 Qed.
 
+(* The sum of the terms of an inequality, for any functions `low` and `up` of the dimension. *)
 Definition weighted_edges (low up : nat -> R) (a : edge_inequality) : R :=
   fold_right (fun e v => IZR (lower_weight e) * low (axis e) + IZR (upper_weight e) * up (axis e) + v) 0 (terms a).
 
+(* At time t that sum, of the edges, is the value of the inequality's polynomial on the piece of t. *)
 Lemma weighted_edges_on_piece n unit t_c rows a t : is_regular n rows = true -> 0 < t_c -> (forall e, In e (terms a) -> (axis e < n)%nat) ->
   let k := segment_index (segment_count rows) (spline_time t_c rows t) in
   weighted_edges (fun i => edge unit t_c rows fst i t) (fun i => edge unit t_c rows snd i t) a =
@@ -267,7 +299,7 @@ Proof.
   rewrite (piece_of_rows_nth n) by (try apply Ln; lia). cbn [fst snd]. ring.
 Qed.
 
-(* the requirements hold for the edges at every t *)
+(* Requirements that `check_piece` accepts on every piece hold for the edges at every time. *)
 Lemma check_table_sound n depth unit t_c rows rs : is_regular n rows = true -> 0 < unit -> 0 < t_c ->
   (forall r a e, In r rs -> In a r -> In e (terms a) -> (axis e < n)%nat) ->
   forallb (fun p => check_piece depth 1 p rs) (pieces rows) = true ->
@@ -287,7 +319,8 @@ Proof.
   apply Rmult_le_compat_l; [lra|]. lra.
 Qed.
 
-(* Requirements at one end only, for P2 and P5: the first piece's start (s = 0), the last one's end (s = 1) *)
+(* The constant polynomial with the value at s = 0; `constant_at_end` has that at s = 1. So requirements are checked at 0 and from t_c on
+   alone (P2, P5). *)
 Definition constant_at_start (c : bezier) := Bezier (c0 c) (c0 c) (c0 c) (c0 c).
 Definition constant_at_end (c : bezier) := Bezier (c3 c) (c3 c) (c3 c) (c3 c).
 Lemma constant_at_start_value c s : bezier_value (constant_at_start c) s = 1 * bezier_value c 0.
@@ -332,60 +365,78 @@ Qed.
 
 (* ------------------------------------------------------------------ the task, and what P1 to P5 ask of the table *)
 
+(* A task: n dimensions, the prescribed time t_c, the initial state, sets, the clearance from every unsafe set and the smallest width of
+   a tube. Half-spaces cut the state space and the target set. Sets are already grown, and the state space shrunk, by the robot's body. *)
 Record task := Task {
   n : nat; t_c : Q; initial_state : list Q; state_space : box; initial_set : box; target_set : box; unsafe_sets : list shape; clearance : Q; min_width : Q;
-  state_half_spaces : list (list Q * Q); target_half_spaces : list (list Q * Q) }. (* half-spaces that cut the state space, and the target *)
+  state_half_spaces : list (list Q * Q); target_half_spaces : list (list Q * Q) }.
 
+(* State x is strictly inside the state space. *)
 Definition in_space (spec : task) (x : nat -> R) : Prop :=
   (forall i, (i < n spec)%nat -> real_at (lower_corner (state_space spec)) i < x i < real_at (upper_corner (state_space spec)) i) /\ within_half_spaces (n spec) (state_half_spaces spec) x.
+(* State x is strictly inside the target set. *)
 Definition in_target (spec : task) (x : nat -> R) : Prop :=
   (forall i, (i < n spec)%nat -> real_at (lower_corner (target_set spec)) i < x i < real_at (upper_corner (target_set spec)) i) /\ within_half_spaces (n spec) (target_half_spaces spec) x.
 
-(* How `check` goes about it; nothing in it is believed. How often a segment may be halved, and for every unsafe set normals that may
-   separate the tube from it, beside those of the axes; with each go multipliers of the set's half-spaces. *)
+(* A normal that may separate the tube from an unsafe set, and a multiplier for each half-space of the set. *)
 Definition normal_with_multipliers : Type := list Z * list Q.
+(* How `tube_check` searches; nothing in it is believed. It has the number of times that a segment may be halved, and for every unsafe
+   set normals that are tried besides those of the axes. *)
 Record search_plan := SearchPlan { halvings_max : nat; normals : list (list normal_with_multipliers) }.
 
-Fixpoint facing_corner (n : nat) (normal : nat -> Z) : list term := (* the corner of a box that is first along v *)
+(* The terms of the corner of the box [L, U] that comes first along a normal: L_j where the entry is positive, U_j where it is negative. *)
+Fixpoint facing_corner (n : nat) (normal : nat -> Z) : list term :=
   match n with
   | O => []
   | S j => match normal j with Z0 => facing_corner j normal | Zpos _ => Term j (normal j) 0 :: facing_corner j normal | Zneg _ => Term j 0 (normal j) :: facing_corner j normal end
   end.
+(* The sum of |v_i|. *)
 Fixpoint norm_1 (n : nat) (v : nat -> Z) : Z := match n with O => 0%Z | S j => (Z.abs (v j) + norm_1 j v)%Z end.
+(* The normals of the axes, in both directions. *)
 Definition axis_normals (n : nat) : list normal_with_multipliers := flat_map (fun i => [(repeat 0 i ++ [-1], []); (repeat 0 i ++ [1], [])]%Z) (seq 0 n).
 
+(* What P1 to P5 require of the table, the check, and its soundness. *)
 Section Requirements.
-  Variables unit edge_error : Q. (* the value of one table step; how far rounding may move an edge *)
+  Variables unit edge_error : Q. (* the value of one step of the table; how far the functions L and U below may be from the edges *)
 
+  (* A value in units of the table, rounded up; `steps_below` rounds down. *)
   Definition steps_above (v : Q) : Z := Qceiling (v / unit).
   Definition steps_below (v : Q) : Z := Qfloor (v / unit).
 
+  (* Inequalities on an edge of dimension i: lower edge >= v, upper edge <= v, lower edge < v, upper edge > v, upper - lower edge >= v. A
+     bound is rounded to whole units on the side that demands more. *)
   Definition lower_at_least i v := single_axis_inequality i 1 0 (steps_above v).
   Definition upper_at_most i v := single_axis_inequality i 0 (-1) (- steps_below v).
-  Definition lower_less_than i v := single_axis_inequality i (-1) 0 (1 - steps_above v). (* strictly *)
-  Definition upper_greater_than i v := single_axis_inequality i 0 1 (steps_below v + 1).   (* strictly *)
+  Definition lower_less_than i v := single_axis_inequality i (-1) 0 (1 - steps_above v).
+  Definition upper_greater_than i v := single_axis_inequality i 0 1 (steps_below v + 1).
   Definition width_at_least i v := single_axis_inequality i (-1) 1 (steps_above v).
 
+  (* Both edges of dimension i are inside the box, with room for the error. *)
   Definition edges_inside_box (b : box) (i : nat) : list requirement :=
     [[lower_at_least i (nth i (lower_corner b) 0 + edge_error)]; [upper_at_most i (nth i (upper_corner b) 0 - edge_error)]]%Q.
+  (* Coordinate i of point x is strictly between the edges, with room for the error. *)
   Definition edges_around_point (x : list Q) (i : nat) : list requirement :=
     [[lower_less_than i (nth i x 0 - edge_error)]; [upper_greater_than i (nth i x 0 + edge_error)]]%Q.
+  (* Along a normal the tube is beyond the set, by the clearance and the error; an impossible requirement for the normal 0, which
+     separates nothing. *)
   Definition beyond_set_along_normal (n : nat) (clearance : Q) (set : shape) (v : normal_with_multipliers) : requirement :=
     let w i := nth i (fst v) 0%Z in
     match facing_corner n w with
-    | [] => [] (* a normal of 0 separates nothing *)
+    | [] => []
     | es => [EdgeInequality es (steps_above (support_bound n w (snd v) set + (clearance + edge_error) * inject_Z (norm_1 n w)))]
     end.
+  (* For every unsafe set: one of its normals, or of the axes', separates the tube from it. *)
   Fixpoint separation_requirements (n : nat) (clearance : Q) (sets : list shape) (normals_by_set : list (list normal_with_multipliers)) : list requirement :=
     match sets with [] => [] | o :: sets => flat_map (beyond_set_along_normal n clearance o) (axis_normals n ++ hd [] normals_by_set) :: separation_requirements n clearance sets (tl normals_by_set) end.
 
-  (* A half-space, with the whole numbers along its normal *)
+  (* The whole box between the edges is within a half-space, whose normal is scaled to integers. *)
   Definition edges_within_half_space (n : nat) (half_space : list Q * Q) : requirement :=
     let d := fold_right (fun q d => Z.lcm (Zpos (Qden q)) d) 1%Z (fst half_space) in
     let w i := Qnum (Qred (nth i (fst half_space) 0%Q * inject_Z d)) in
     if ((0 <? d)%Z && forallb (fun i => Qeq_bool (inject_Z (w i)) (nth i (fst half_space) 0%Q * inject_Z d)) (seq 0 n))%bool
     then [EdgeInequality (facing_corner n (fun i => - w i)%Z) (steps_above (edge_error * inject_Z (norm_1 n (fun i => - w i)%Z) - snd half_space * inject_Z d))] else [].
 
+  (* The requirements at all times (P1, P3, P4); then those at 0 (P2) and those from t_c on (P5). *)
   Definition requirements_always (plan : search_plan) (spec : task) : list requirement :=
     map (fun i => [width_at_least i (min_width spec + 2 * edge_error)%Q]) (seq 0 (n spec)) ++
     flat_map (edges_inside_box (state_space spec)) (seq 0 (n spec)) ++ map (edges_within_half_space (n spec)) (state_half_spaces spec) ++
@@ -393,9 +444,11 @@ Section Requirements.
   Definition requirements_at_start (spec : task) : list requirement := flat_map (fun i => edges_around_point (initial_state spec) i ++ edges_inside_box (initial_set spec) i) (seq 0 (n spec)).
   Definition requirements_at_end (spec : task) : list requirement := flat_map (edges_inside_box (target_set spec)) (seq 0 (n spec)) ++ map (edges_within_half_space (n spec)) (target_half_spaces spec).
 
-  (* Bounds are rounded to whole units on the harder side, and widened by err: by so much a function may differ from its edge. *)
+  (* q > 0. *)
   Definition is_positive (q : Q) : bool := negb (Qle_bool q 0).
 
+  (* P1 to P5, with room for the error: the requirements at all times on every piece, those at 0 on the first piece's start, those from
+     t_c on on the last piece's end. *)
   Definition tube_check (plan : search_plan) (spec : task) (rows : table) : bool :=
     is_positive unit && is_positive (t_c spec) && is_regular (n spec) rows &&
     let ps := pieces rows in
@@ -444,13 +497,16 @@ Section Requirements.
   Variables (spec : task) (rows : table) (plan : search_plan).
   Hypothesis tube_checked : tube_check plan spec rows = true.
 
+  (* The exact edges. *)
   Definition lower (i : nat) (t : R) : R := edge (Q2R unit) (Q2R (t_c spec)) rows fst i t.
   Definition upper (i : nat) (t : R) : R := edge (Q2R unit) (Q2R (t_c spec)) rows snd i t.
 
-  Variables L U : nat -> R -> R. (* what the program computes *)
+  (* Functions that are near the exact edges: what a program computes. *)
+  Variables L U : nat -> R -> R.
   Hypothesis near_exact_edges : forall i t, (i < n spec)%nat ->
     Rabs (L i t - lower i t) <= Q2R edge_error /\ Rabs (U i t - upper i t) <= Q2R edge_error.
 
+  (* The inequality holds for the exact edges at time t. *)
   Definition inequality_holds_at (t : R) (a : edge_inequality) : Prop :=
     Q2R unit * IZR (bound a) <= weighted_edges (fun i => lower i t) (fun i => upper i t) a.
 
@@ -481,6 +537,7 @@ Section Requirements.
     replace (Q2R 2) with 2 in A by (unfold Q2R; cbn; lra). lra.
   Qed.
 
+  (* Both functions of dimension i are inside the box at time t. *)
   Definition in_box (b : box) (i : nat) (t : R) : Prop := real_at (lower_corner b) i <= L i t /\ U i t <= real_at (upper_corner b) i.
 
   Lemma edges_inside_box_sound b i t : (i < n spec)%nat -> (forall r, In r (edges_inside_box b i) -> exists a, In a r /\ inequality_holds_at t a) -> in_box b i t.
@@ -566,6 +623,7 @@ Section Requirements.
       rewrite opp_IZR, E. unfold real_at. ring.
   Qed.
 
+  (* The requirement implies `separated`. *)
   Lemma beyond_set_along_normal_separates o ns t : (exists a, In a (flat_map (beyond_set_along_normal (n spec) (clearance spec) o) ns) /\ inequality_holds_at t a) ->
     separated (n spec) (Q2R (clearance spec)) o (fun i => L i t) (fun i => U i t).
   Proof.
@@ -580,6 +638,7 @@ Section Requirements.
       assert (C := facing_corner_bounds w _ x t Hx M). lra.
   Qed.
 
+  (* Where `tube_check` says true, P1 to P5 hold at every time, for any functions within the error of the edges. *)
   Theorem tube_sound :
     (* P1 *) (forall i t, (i < n spec)%nat -> L i t + Q2R (min_width spec) <= U i t) /\
     (* P2 *) (forall i, (i < n spec)%nat -> L i 0 < real_at (initial_state spec) i < U i 0 /\ in_box (initial_set spec) i 0) /\
@@ -618,7 +677,7 @@ Section Requirements.
       + apply (E t Ht). unfold requirements_at_end; rewrite in_app_iff; right. now apply in_map.
   Qed.
 
-  (* and so of every state strictly inside *)
+  (* So a state strictly inside the tube is in the state space and clear of every unsafe set, and from t_c on in the target set. *)
   Lemma inside_tube_meets_task t x : (forall i, (i < n spec)%nat -> L i t < x i < U i t) ->
     in_space spec x /\ (forall o, In o (unsafe_sets spec) -> clear (n spec) (Q2R (clearance spec)) o x) /\ (Q2R (t_c spec) <= t -> in_target spec x).
   Proof.

@@ -1,5 +1,8 @@
-(* The edges window by window: a window is a segment, or the time from t_c on. Their least and largest distance in it, and their
-   speed in it and in the one before. *)
+(* Widths and speeds of the edges by window. A window is a segment of the spline, or the time from t_c on. For each window this file has
+   the smallest and the largest width, and how fast an edge moves in it and in the one before.
+
+   Period.v checks P9 window by window, so that it proves long periods. The lemma book has it as `sampled.windows` and
+   `sampled.exact_windows` (docs/lemmas.md). *)
 From Coq Require Import ZArith QArith Qreals Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core.Raux.
 From Coquelicot Require Import Coquelicot.
@@ -7,6 +10,7 @@ From Stt Require Import Tube Loop Speed.
 Import ListNotations.
 Open Scope R_scope.
 
+(* The smallest and the largest Bezier coefficient, and the largest step between neighbours. *)
 Definition smallest_coefficient (c : bezier) : Z := Z.min (Z.min (c0 c) (c1 c)) (Z.min (c2 c) (c3 c)).
 Definition largest_coefficient (c : bezier) : Z := Z.max (Z.max (c0 c) (c1 c)) (Z.max (c2 c) (c3 c)).
 Definition largest_step (c : bezier) : Z := Z.max (Z.abs (c1 c - c0 c)) (Z.max (Z.abs (c2 c - c1 c)) (Z.abs (c3 c - c2 c))).
@@ -26,6 +30,7 @@ Proof. unfold largest_step. eapply Z.le_trans; [apply Z.abs_nonneg|apply Z.le_ma
 Lemma steps_within_weaken step_max wider_max c : (step_max <= wider_max)%Z -> steps_within step_max c = true -> steps_within wider_max c = true.
 Proof. unfold steps_within. rewrite !andb_true_iff, !Z.leb_le. lia. Qed.
 
+(* The edges of dimension i of a table of K segments. *)
 Section Windows.
   Variables (rows : table) (t_c unit : R) (n i : nat).
   Hypothesis rows_regular : is_regular n rows = true.
@@ -34,11 +39,14 @@ Section Windows.
   Hypothesis unit_pos : 0 < unit.
   Let K := segment_count rows.
 
+  (* The window of time t: its segment, or K from t_c on. *)
   Definition window_index (t : R) : nat := Nat.min (Z.to_nat (Zfloor (INR K / t_c * Rmax 0 t))) K.
 
-  (* From t_c on the tube stands still: a last piece that is the end of the one before. *)
+  (* The piece of a window. From t_c on the tube stands still: there it is the constant end of the last piece. *)
   Definition window_piece (k : nat) : piece := nth k (pieces rows ++ [map_edges constant_at_end (nth (K - 1) (pieces rows) [])]) [].
+  (* The width in a window, as a polynomial. *)
   Definition width_bezier (k : nat) : bezier := let c := nth i (window_piece k) (zero_bezier, zero_bezier) in bezier_combination (-1) (fst c) 1 (snd c).
+  (* The largest step of both edges in a window and in the one before. *)
   Definition window_step_max (k : nat) : Z :=
     let V j := let c := nth i (nth j (pieces rows) []) (zero_bezier, zero_bezier) in Z.max (largest_step (fst c)) (largest_step (snd c)) in
     Z.max (V (k - 1)%nat) (V k).
@@ -96,7 +104,7 @@ Section Windows.
   Hypothesis side_matches : (side = fst /\ bezier_of_side = fst) \/ (side = snd /\ bezier_of_side = snd).
   Let edge_spline (u : R) := spline (edge_column side i rows) u.
 
-  (* The edge in a window is a polynomial, also the last one. *)
+  (* In every window the edge is a polynomial, also from t_c on. *)
   Lemma edge_spline_in_window t : exists s, 0 <= s <= 1 /\
     (s = match Nat.eq_dec (window_index t) K with left _ => 1 | right _ => spline_time t_c rows t - INR (window_index t) end) /\
     edge_spline (spline_time t_c rows t) = bezier_value (bezier_of_side (nth i (window_piece (window_index t)) (zero_bezier, zero_bezier))) s.
@@ -136,10 +144,12 @@ Section Windows.
   Lemma window_step_max_nonneg k : 0 <= IZR (window_step_max k).
   Proof. apply IZR_le. unfold window_step_max. eapply Z.le_trans; [|apply Z.le_max_r]. eapply Z.le_trans; [|apply Z.le_max_l]. apply largest_step_nonneg. Qed.
 
+  (* How fast an edge moves in a window and in the one before. *)
   Definition window_edge_speed (k : nat) : R := unit * (3 * IZR (window_step_max k)) * (INR K / t_c).
   Lemma window_edge_speed_nonneg k : 0 <= window_edge_speed k.
   Proof. unfold window_edge_speed. apply Rmult_le_pos; [|apply segment_rate_nonneg]. apply Rmult_le_pos; [lra|]. pose proof (window_step_max_nonneg k). lra. Qed.
 
+  (* Until time t an edge moved at most so fast, from at most a segment earlier on. *)
   Lemma edge_moves_at_most s t : s <= t -> INR K / t_c * (t - s) <= 1 ->
     Rabs (edge unit t_c rows side i t - edge unit t_c rows side i s) <= window_edge_speed (window_index t) * (t - s).
   Proof.
@@ -178,7 +188,7 @@ Section Windows.
   Qed.
 End Windows.
 
-(* The width in a window. *)
+(* The width in a window is between the smallest and the largest coefficient of its polynomial. *)
 Lemma width_in_window rows T unit n i t : is_regular n rows = true -> (i < n)%nat -> 0 < T -> 0 < unit ->
   unit * IZR (smallest_coefficient (width_bezier rows i (window_index rows T t))) <= edge unit T rows snd i t - edge unit T rows fst i t <=
   unit * IZR (largest_coefficient (width_bezier rows i (window_index rows T t))).
