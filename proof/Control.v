@@ -52,7 +52,7 @@ Section Formulas.
   Definition upper_nearer (L U x : number) : bool := less_than A (sub A U x) (sub A x L).
   Definition nearest_distance (L U x : number) : number := if upper_nearer L U x then sub A U x else sub A x L.
   Definition near_distance (L U x : number) : number :=
-    let least := mul A (sub A U L) (literal_value (clamp_share consts)) in if less_than A least (nearest_distance L U x) then nearest_distance L U x else least.
+    let clamped_nearest := mul A (sub A U L) (literal_value (clamp_share consts)) in if less_than A clamped_nearest (nearest_distance L U x) then nearest_distance L U x else clamped_nearest.
   Definition far_distance (L U x : number) : number := sub A (sub A U L) (near_distance L U x).
   Definition distance_ratio (L U x : number) : number := div A (far_distance L U x) (near_distance L U x).
   (* ln y where it is written out, with y = m 2^e. *)
@@ -289,20 +289,20 @@ Section Callers.
     set (L := lower i). set (U := upper i).
     unfold law_statements, clamp_share_statements, gain_statements, limit_statements, saturation_statements, control_input, gain_if_upper_nearer, gain_if_lower_nearer. cbv zeta.
     unfold constants_of_component. destruct (gains_differ consts) eqn:Sv; destruct (has_limits consts) eqn:Li; destruct (clamp_shares_differ consts) eqn:Cd;
-      match goal with |- context [unlimited_input A ?o ?h ?l] => set (own_k := o); set (high := h); set (low := l) end; (eexists; split;
+      match goal with |- context [unlimited_input A ?o ?h ?l] => set (component_consts := o); set (high := h); set (low := l) end; (eexists; split;
       [ cbn [app]; step;
         (* with a table of clamp shares *)
         try named (RealValue (table_constant A (clamp_share_table consts) i));
         (* with a table of gains *)
         try (named (RealValue low); named (RealValue high));
         do 3 step; named (@BoolValue A (upper_nearer A L U (x i))); named (RealValue (nearest_distance A L U (x i))); named (RealValue (chosen_gain A high low L U (x i)));
-        do 2 step; named (RealValue (near_distance A own_k L U (x i))); named (RealValue (far_distance A own_k L U (x i))); named (@BoolValue A (is_inside A L U (x i))); step;
+        do 2 step; named (RealValue (near_distance A component_consts L U (x i))); named (RealValue (far_distance A component_consts L U (x i))); named (@BoolValue A (is_inside A L U (x i))); step;
         try named (RealValue (table_constant A (limit_table consts) i)); do 2 step;
-        (eapply call_step with (rs := [RealValue (epsilon A own_k L U (x i)); RealValue (xi A own_k L U (x i))]);
+        (eapply call_step with (rs := [RealValue (epsilon A component_consts L U (x i)); RealValue (xi A component_consts L U (x i))]);
           [exact transformed_error_known|reflexivity|apply transformed_error_kernel_value|reflexivity|]);
-        named (RealValue (unlimited_input A own_k high low L U (x i)));
+        named (RealValue (unlimited_input A component_consts high low L U (x i)));
         (* with a table of limits *)
-        try (do 4 step; named (RealValue (saturate A (table_constant A (limit_table consts) i) (unlimited_input A own_k high low L U (x i)))));
+        try (do 4 step; named (RealValue (saturate A (table_constant A (limit_table consts) i) (unlimited_input A component_consts high low L U (x i)))));
         (eapply store_step; [reflexivity|evaluate|exact Hw|]);
         (eapply set_step; [evaluate|reflexivity|]); reflexivity
       | left_is ]).

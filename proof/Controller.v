@@ -1,4 +1,7 @@
-(* The emitted controller: from what the reader finds in the C text to the edges of the library and a law that acts as the library asks. *)
+(* The emitted controller: where the text is the program of Emission.v with constants that the checks accept, `control` and
+   `control_tick` end, and what they store acts as the law asks on edges that are near the exact ones.
+
+   Sound.v and theorem files use `control_runs_as_law` and `control_tick_runs_as_law` (docs/theorem.md, theorem 1 about the controller). *)
 From Coq Require Import ZArith QArith Qreals Qabs Reals List Bool Lia Lra String.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
@@ -9,6 +12,7 @@ Open Scope R_scope.
 
 (* ------------------------------------------------------------------ the table, one number after the other *)
 
+(* The numbers of a row, and of a table, in the order of the C's table. *)
 Definition row_numbers (r : list (Z * Z)) : list Z := flat_map (fun p => [fst p; snd p]) r.
 Definition table_numbers (rows : Tube.table) : list Z := flat_map row_numbers rows.
 
@@ -41,11 +45,12 @@ Proof.
   - rewrite (nth_flat_map _ 2 0%Z (0, 0)%Z) by (auto; lia). reflexivity.
 Qed.
 
-(* what the law may lose, in relative terms and in epsilon: so much with the library's logarithm, and so much with one that is written out *)
+(* The error of the law's arithmetic, in the factor and in epsilon: 2^-14 where the logarithm is written out, else 32 units of rounding. *)
 Definition law_loss (f : format) (consts : constants) : Q := if has_inline_log consts then 1 # 16384 else 32 * half_ulp f.
 Lemma acts_as_law_weaken k c r r' limit a b u : r <= r' -> HeldInputLaw.acts_as_law k c r limit a b u -> HeldInputLaw.acts_as_law k c r' limit a b u.
 Proof. intros H (e1 & e2 & A & B & E). exists e1, e2. split; [lra|split; [lra|exact E]]. Qed.
 
+(* The text's constants and table, and the checks. *)
 Section Controller.
   Variable f : format.
   Notation prec := (precision f).
@@ -58,7 +63,7 @@ Section Controller.
   Local Existing Instance Edge.precision_below_instance.
   Notation literal_number d := (decimal_number prec emax precision_pos_instance precision_below_instance d).
 
-  (* every literal of the table is exactly so many steps *)
+  (* Every literal of the table is exactly so many units. *)
   Fixpoint literals_match (unit : Q) (ds : list decimal) (zs : list Z) : bool :=
     match ds, zs with
     | [], [] => true
@@ -74,9 +79,10 @@ Section Controller.
     destruct (literal_equals_value prec emax _ _ _ _ E) as [E1 E2]. rewrite E1, Q2R_mult, Q2R_Z. auto.
   Qed.
 
+  (* A number is at most 2^30 in size. *)
   Definition is_ordinary (v : Q) : bool := Qle_bool (Qabs v) (inject_Z 1073741824).
 
-  (* of component i: its gain, with both signs, its clamp, and its limit *)
+  (* The literals of component i are its gain, with both signs, its clamp share and its limit, all of ordinary size. *)
   Definition component_constants_check (consts : constants) (gains clamp_shares : list Q) (limits : list (option Q)) (i : nat) : bool :=
     let gain := nth i gains 0%Q in let c := nth i clamp_shares 0%Q in
     (literal_equals prec emax (clamp_share (constants_of_component consts (Z.of_nat i))) c && Qle_bool (1 # 1073741824) c && Qle_bool c (1 # 4) &&
@@ -114,6 +120,7 @@ Section Controller.
       + destruct (has_limits consts); [discriminate|reflexivity].
   Qed.
 
+  (* The literals of the text are the numbers of the design, and of ordinary size. *)
   Definition constants_check (consts : constants) (coefficients : list decimal) (unit : Q) (spec : Tube.task) (rows : Tube.table) (scale : time_scale) (gains clamp_shares : list Q)
     (limits : list (option Q)) : bool :=
     let n := Z.of_nat (n spec) in
@@ -139,7 +146,7 @@ Section Controller.
   Let prec_large := precision_large f.
   Let emax_large := exponent_large f.
 
-  (* what `control` or `control_tick` is called with, besides the time *)
+  (* The state that `control` or `control_tick` is called with. *)
   Variable x : nat -> number.
   Hypothesis finite_x : forall i, (i < n spec)%nat -> is_finite (x i) = true.
   Hypothesis size_x : forall i, (i < n spec)%nat -> Rabs (value (x i)) <= 1073741824.
@@ -170,7 +177,7 @@ Section Controller.
   Let time_rate_real := F2R (Float radix2 (rate_mantissa scale) (rate_exponent scale)).
   Let last_time_real := F2R (Float radix2 (last_mantissa scale) (last_exponent scale)).
 
-  (* the checks, as statements about real numbers *)
+  (* The checks, as statements about real numbers. *)
   Record checked_facts : Prop := {
     dimensions_match : dimensions consts = Z.of_nat (n spec);
     n_pos : (0 < n spec)%nat;
@@ -229,7 +236,7 @@ Section Controller.
       apply is_ordinary_bounds in Q1, Q2. apply Rabs_le_between in Q1, Q2. unfold real_at. lra.
   Qed.
 
-  (* A place that fits a time, as the machine has it: the segment, and s in it. *)
+  (* A position that fits a time, as the machine computes it: a segment, and the position in it. *)
   Section KnownPosition.
   Variables (segment : Z) (machine_position : number) (tau : R).
   Let position : nat * R := (Z.to_nat segment, value machine_position).
@@ -239,7 +246,7 @@ Section Controller.
   Let L (i : nat) : R := emitted_edge_at f unit rows fst i position.
   Let U (i : nat) : R := emitted_edge_at f unit rows snd i position.
 
-  (* one coefficient of the C's table *)
+  (* A number of the C's table is a control point. *)
   Lemma coefficient_value i j side : (i < n spec)%nat -> (j <= 3)%nat -> (side = 0 \/ side = 1)%Z ->
     value (coefficient_at A coefficients (segment * (2 * dimensions consts) + Z.of_nat i * 2 + (2 * dimensions consts * Z.of_nat j + side))) =
       Q2R unit * IZR (nth (Z.to_nat segment + j) (edge_column (if (side =? 0)%Z then fst else snd) i rows) 0%Z) /\
@@ -285,7 +292,7 @@ Section Controller.
       + intro j. apply Ts. now right.
   Qed.
 
-  (* the emitted tube is wide enough, and within the state space *)
+  (* The emitted edges are as far apart as demanded, and within the state space. *)
   Lemma edges_range i : (i < n spec)%nat -> L i + Q2R (min_width spec) <= U i /\ real_at (lower_corner (state_space spec)) i <= L i /\ U i <= real_at (upper_corner (state_space spec)) i.
   Proof.
     intro Hi.
@@ -300,7 +307,8 @@ Section Controller.
     specialize (P1 i tau Hi). specialize (P3 i tau Hi). unfold in_box, Lt, Ut in P1, P3. destruct (Req_EM_T tau tau) as [_|Ne]; [|congruence]. split; [exact P1|exact P3].
   Qed.
 
-  (* From a run to what it means: finite inputs that act as the law (13) with e clamped, and a status that says whether the state is inside. *)
+  (* Called with v, the function ends. Its status says whether the state is between the edges L and U in every dimension. It stores
+     finite inputs that act as the law (13) with e clamped. *)
   Definition runs_as_law (name : string) (v : Run.c_value A) (L U : nat -> R) : Prop := exists out status,
     execute A (log_name consts) (Source directive_lines (emitted_tables consts coefficients) (Emission.emitted_functions consts)) name [v] (caller_arrays A consts xs) = Some (out, Some (IntValue status)) /\
     (status = 0%Z <-> forall i, (i < n spec)%nat -> L i < value (x i) < U i) /\ (status = 0 \/ status = 1)%Z /\
@@ -371,7 +379,7 @@ Section Controller.
     apply (at_most_is_real_order prec emax (sum_times_zero A xs first (n spec)) (literal_number literal_zero) Z2 eq_refl). rewrite Z1. right. reflexivity.
   Qed.
 
-  (* The emitted `control`, for times that are right but for one rounding: it ends without anything undefined. *)
+  (* `control`, for a time that is right or rounded once. *)
   Theorem control_runs_as_law (t : number) : is_finite t = true -> forall tau, clock_shows f (value t) tau ->
     runs_as_law "@control" (@RealValue A t) (fun i => EmittedTube.emitted_edge f unit rows scale fst i (value t)) (fun i => EmittedTube.emitted_edge f unit rows scale snd i (value t)).
   Proof.
@@ -388,7 +396,7 @@ Section Controller.
     - apply finite_test_passes, times_zero_is_0, finite_t.
   Qed.
 
-  (* and `control_tick`, for every count of ticks. *)
+  (* The ticks of a text, and the check of its integers. *)
   Definition tick_scale_of (c : tick_numbers) (period : Q) : EmittedTube.tick_scale := TickScale (tick_limit c) (tick_multiplier c) (tick_divisor c) period.
   Definition tick_constants_check (period : Q) : bool :=
     match tick_constants consts with
@@ -397,6 +405,7 @@ Section Controller.
         (tick_limit c * tick_multiplier c <=? 2147483647)%Z && (tick_divisor c * Z.of_nat K <=? 2147483647)%Z)%bool
     | None => false
     end.
+  (* The position of a tick. *)
   Definition tick_position (tick : Z) : nat * R :=
     match tick_constants consts with Some c => position_of_tick f rows (tick_limit c) (tick_multiplier c) (tick_divisor c) tick | None => (0%nat, 0) end.
 
@@ -406,6 +415,7 @@ Section Controller.
     exact (tick_position_fits f unit edge_error plan spec rows time_error (tick_scale_of c period) tick tube_checked H T0).
   Qed.
 
+  (* `control_tick`, for every count of ticks below 2^32. *)
   Theorem control_tick_runs_as_law period tick : tick_constants_check period = true -> (0 <= tick <= 4294967295)%Z ->
     runs_as_law "@control_tick" (@UnsignedValue A tick) (fun i => emitted_edge_at f unit rows fst i (tick_position tick)) (fun i => emitted_edge_at f unit rows snd i (tick_position tick)).
   Proof.

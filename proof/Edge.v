@@ -239,7 +239,7 @@ End Format.
 (* ------------------------------------------------------------------ an edge *)
 
 (* From a position to an edge. *)
-Section Place.
+Section EdgeAtPosition.
   Variable f : format.
   Notation prec := (precision f).
   Notation emax := (largest_exponent f).
@@ -273,4 +273,4 @@ Section Place.
       unit * IZR (nth (segment + 2) (edge_column side i rows) 0%Z); unit * IZR (nth (segment + 3) (edge_column side i rows) 0%Z)].
     intro env. f_equal. revert env. generalize basis_blend. clear. intro b. induction b as [|st rest IH]; intro env; cbn [run_assignments]; [reflexivity|]. rewrite round_nearest_is_round_to_format. apply IH.
   Qed.
-End Place.
+End EdgeAtPosition.

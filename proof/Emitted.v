@@ -36,9 +36,9 @@ Section Emitted.
     let passed := (Z.min tick final * multiplier)%Z in Z.min passed (divisor * Z.of_nat K).
   (* The position that the C computes for a count of ticks. *)
   Definition position_of_tick (final multiplier divisor tick : Z) : nat * R :=
-    let place := parts_passed final multiplier divisor tick in
-    let k := Z.min (place / divisor) (Z.of_nat K - 1) in
-    (Z.to_nat k, round_to_format format (IZR (place - k * divisor) / IZR divisor)).
+    let parts := parts_passed final multiplier divisor tick in
+    let k := Z.min (parts / divisor) (Z.of_nat K - 1) in
+    (Z.to_nat k, round_to_format format (IZR (parts - k * divisor) / IZR divisor)).
 
   (* A clock shows time t if its value is t, rounded at most once to the format. *)
   Definition clock_shows (clock t : R) : Prop := Rabs (clock - t) <= Rabs t * Q2R (half_ulp format) + Q2R (half_smallest format).
@@ -226,22 +226,22 @@ Section Ticks.
   (* The position of a tick fits its time. *)
   Lemma position_of_tick_fits tick : (0 <= tick)%Z -> position_fits rows t_c time_error (IZR tick * tick_period) (position_of_tick format rows final_tick multiplier divisor tick).
   Proof.
-    intro H. assert (E := parts_passed_is_spline_time tick H). assert (M := parts_passed_is_minimum tick H). unfold position_fits, position_of_tick. cbv zeta. fold K. set (place := parts_passed _ _ _ _ _) in *. cbn [fst snd].
+    intro H. assert (E := parts_passed_is_spline_time tick H). assert (M := parts_passed_is_minimum tick H). unfold position_fits, position_of_tick. cbv zeta. fold K. set (parts := parts_passed _ _ _ _ _) in *. cbn [fst snd].
     destruct ticks_pos as [M0 D0]. assert (Kp : (0 < Z.of_nat K)%Z) by (destruct (is_regular_lengths _ _ rows_regular); unfold K, segment_count; lia).
-    assert (P : (0 <= place <= divisor * Z.of_nat K)%Z) by nia.
-    set (k := Z.min (place / divisor) (Z.of_nat K - 1)).
-    assert (Dv := Z.div_mod place divisor ltac:(lia)). assert (Md := Z.mod_pos_bound place divisor D0).
-    assert (Q0 : (0 <= place / divisor)%Z) by (apply Z.div_pos; lia).
+    assert (P : (0 <= parts <= divisor * Z.of_nat K)%Z) by nia.
+    set (k := Z.min (parts / divisor) (Z.of_nat K - 1)).
+    assert (Dv := Z.div_mod parts divisor ltac:(lia)). assert (Md := Z.mod_pos_bound parts divisor D0).
+    assert (Q0 : (0 <= parts / divisor)%Z) by (apply Z.div_pos; lia).
     assert (K0 : (0 <= k <= Z.of_nat K - 1)%Z) by (unfold k; lia).
-    assert (R0 : (0 <= place - k * divisor <= divisor)%Z) by (unfold k; destruct (Z.min_spec (place / divisor) (Z.of_nat K - 1)) as [[C ->]|[C ->]]; nia).
+    assert (R0 : (0 <= parts - k * divisor <= divisor)%Z) by (unfold k; destruct (Z.min_spec (parts / divisor) (Z.of_nat K - 1)) as [[C ->]|[C ->]]; nia).
     assert (Dp := IZR_lt _ _ D0). destruct R0 as [R1 R2]. apply IZR_le in R1, R2.
-    set (x := IZR (place - k * divisor) / IZR divisor).
+    set (x := IZR (parts - k * divisor) / IZR divisor).
     assert (X : 0 <= x <= 1).
     { unfold x. split; [apply Rcomplements.Rle_div_r; lra|apply Rcomplements.Rle_div_l; lra]. }
-    assert (One : generic_format radix2 (format_exponent format) 1).
+    assert (One_in_format : generic_format radix2 (format_exponent format) 1).
     { apply generic_format_FLT. exists (Float radix2 1 0); [unfold F2R; cbn; ring| |]; destruct format; cbn; lia. }
     assert (S0 : 0 <= round_to_format format x <= 1).
-    { unfold round_to_format. split; [apply round_ge_generic|apply round_le_generic]; try apply format_exponent_valid; try apply valid_rnd_N; try apply generic_format_0; try exact One; lra. }
+    { unfold round_to_format. split; [apply round_ge_generic|apply round_le_generic]; try apply format_exponent_valid; try apply valid_rnd_N; try apply generic_format_0; try exact One_in_format; lra. }
     split; [lia|split; [exact S0|]].
     assert (Ex : INR (Z.to_nat k) + x = spline_time t_c rows (IZR tick * tick_period)).
     { rewrite INR_IZR_INZ, Z2Nat.id by lia. apply (Rmult_eq_reg_l (IZR divisor)); [|lra]. rewrite <- E. unfold x. rewrite minus_IZR, mult_IZR. field; lra. }

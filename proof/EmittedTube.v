@@ -32,17 +32,17 @@ Definition largest_table_value (unit : Q) (rows : table) : Q :=
 (* P7: the arithmetic moves no edge by more than edge_error. time_error bounds the error of the emitted spline time, in segments. *)
 Definition rounding_check (format : format) (unit edge_error : Q) (spec : task) (rows : table) (step_maxima : list Z) (scale : time_scale) (time_error : Q) : bool :=
   let K := inject_Z (Z.of_nat (segment_count rows)) in
-  let c := dyadic (rate_mantissa scale) (rate_exponent scale) in
+  let rate := dyadic (rate_mantissa scale) (rate_exponent scale) in
   let last := dyadic (last_mantissa scale) (last_exponent scale) in
   let largest := largest_table_value unit rows in
-  let early := (K / t_c spec * (t_c spec * half_ulp format + half_smallest format))%Q in
-  Qle_bool 0 c && Qle_bool 0 last && is_positive (K - last) && Qle_bool (K - last + early) time_error &&
+  let clock_error := (K / t_c spec * (t_c spec * half_ulp format + half_smallest format))%Q in
+  Qle_bool 0 rate && Qle_bool 0 last && is_positive (K - last) && Qle_bool (K - last + clock_error) time_error &&
   (Z.abs (last_mantissa scale) <? 2 ^ precision format)%Z && (minimum_exponent format <=? last_exponent scale)%Z &&
-  Qle_bool (t_c spec * Qabs (c - K / t_c spec) + (t_c spec * c * half_ulp format + half_smallest format) + early) time_error &&
+  Qle_bool (t_c spec * Qabs (rate - K / t_c spec) + (t_c spec * rate * half_ulp format + half_smallest format) + clock_error) time_error &&
   forallb (forallb (fun p => Qle_bool (Qabs (unit * inject_Z (fst p))) largest && Qle_bool (Qabs (unit * inject_Z (snd p))) largest)) rows &&
   Qle_bool 0 largest &&
   match spline_evaluation_error format largest with
-  | Some e => forallb (fun i => Qle_bool (e + unit * (3 * inject_Z (nth i step_maxima 0%Z) * time_error)) edge_error) (seq 0 (n spec))
+  | Some evaluation_error => forallb (fun i => Qle_bool (evaluation_error + unit * (3 * inject_Z (nth i step_maxima 0%Z) * time_error)) edge_error) (seq 0 (n spec))
   | None => false
   end.
 

@@ -389,8 +389,8 @@ Section InputBounds.
     set (mg := law_magnitude _ _ _ _ _) in *. set (bd := gain * / _ * _ * _ * _) in *.
     assert (g_min * bd <= g_min * mg) by (apply Rmult_le_compat_l; lra).
     destruct u_limit as [m|]; cbn; [|lra]. specialize (u_limit_nonneg m eq_refl). specialize (Hlim m eq_refl).
-    set (held := Rmax _ _).
-    assert (Cl : mg <= - held \/ m <= - held) by (unfold held, Rmax, Rmin; repeat destruct Rle_dec; lra).
-    destruct Cl; [assert (g_min * mg <= g_min * - held)|assert (g_min * m <= g_min * - held)]; try (apply Rmult_le_compat_l; lra); lra.
+    set (limited := Rmax _ _).
+    assert (Cl : mg <= - limited \/ m <= - limited) by (unfold limited, Rmax, Rmin; repeat destruct Rle_dec; lra).
+    destruct Cl; [assert (g_min * mg <= g_min * - limited)|assert (g_min * m <= g_min * - limited)]; try (apply Rmult_le_compat_l; lra); lra.
   Qed.
 End InputBounds.

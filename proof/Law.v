@@ -1,5 +1,11 @@
-(* The law in machine arithmetic. Relative errors are counted in factors (1 - u): x and y are within n of each other when each is at least
-   (1 - u)^n of the other; products and quotients add the counts, and a rounding adds one. *)
+(* The law in the machine's arithmetic: what the emitted statements compute is the law (13) with e clamped, up to 32 units of rounding in
+   the factor and in the logarithm, and more where the logarithm is written out.
+
+   Relative errors are counted in factors p = 1 - u, u the relative error of a rounding: x and y are close by n when each is at least p^n
+   times the other. Products and quotients add the counts, and a rounding adds one.
+
+   Controller.v uses `unlimited_input_acts_as_law`, `saturated_input_acts_as_law` and `is_inside_correct`. docs/certificate-format.md
+   counts the same errors (the law). *)
 From Coq Require Import ZArith QArith Qreals Reals Lia Lra Psatz.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
@@ -7,11 +13,13 @@ From Stt Require HeldInputLaw.
 From Stt Require Import Loop Syntax Run Emission Control Semantics.
 Open Scope R_scope.
 
+(* Counting relative errors of positive numbers. *)
 Section RoundingCounts.
   Variable u : R.
   Hypothesis u_small : 0 < u <= / 16777216.
   Let p := 1 - u.
 
+  (* x and y are close by n. *)
   Definition close (n : nat) (x y : R) : Prop := 0 < x /\ 0 < y /\ y * p ^ n <= x /\ x * p ^ n <= y.
 
   Lemma p_range : 0 < p < 1. Proof. unfold p. lra. Qed.
@@ -59,7 +67,7 @@ Section RoundingCounts.
   Lemma close_after_rounding n r x y : close n x y -> Rabs (r - x) <= u * Rabs x -> close (S n) r y.
   Proof. intros C H. change (S n) with (1 + n)%nat. apply close_trans with x; [|exact C]. apply rounding_is_close; [apply C|exact H]. Qed.
 
-  (* (1 - u)^n is at least 1 - n u *)
+  (* (1 - u)^n is at least 1 - n u. *)
   Lemma bernoulli n : 1 - INR n * u <= p ^ n.
   Proof.
     induction n; [cbn; lra|]. rewrite S_INR. cbn [pow]. pose proof (pos_INR n). pose proof p_range.
@@ -67,6 +75,7 @@ Section RoundingCounts.
     - assert (0 <= p * p ^ n) by (apply Rmult_le_pos; [lra|left; apply pow_range]). nra.
     - apply Rle_trans with (p * (1 - INR n * u)); [unfold p; nra|apply Rmult_le_compat_l; lra].
   Qed.
+  (* Logarithms of close numbers have an absolute error. *)
   Lemma close_logarithms n x y : (n <= 1000)%nat -> close n x y -> Rabs (ln x - ln y) <= INR n * u * (1 + / 1000).
   Proof.
     intros N (X & Y & A & B). apply le_INR in N. replace (INR 1000) with 1000 in N by (rewrite INR_IZR_INZ; reflexivity). pose proof (pos_INR n).
@@ -86,13 +95,14 @@ End RoundingCounts.
 
 (* ------------------------------------------------------------------ real numbers: nearest, least and far *)
 
+(* The distances in the law: clamping and subtracting them. *)
 Section Distances.
   Variable u : R.
   Hypothesis u_small : 0 < u <= / 16777216.
   Let p := 1 - u.
   Notation close := (close u).
 
-  (* the greater of two, of which one may be negative *)
+  (* The larger of two numbers, of which one may be negative. *)
   Lemma max_is_close n m y N Y : close n y Y -> (0 < m -> close n N m) -> (m <= 0 -> N <= 0) ->
     close n (if Rlt_dec y N then N else y) (Rmax m Y).
   Proof.
@@ -105,7 +115,7 @@ Section Distances.
       + destruct (Cn ltac:(lra)) as (N0 & _ & C & D). unfold Rmax. destruct (Rle_dec m Y); repeat split; auto; try lra; nra.
   Qed.
 
-  (* a difference that is at least half of the minuend *)
+  (* A difference that is at least half of the minuend. *)
   Lemma difference_is_close S N s n : close 1 s S -> close 2 n N -> N <= S - N -> close 5 (s - n) (S - N).
   Proof.
     intros (s0 & S0 & A & B) (n0 & N0 & C & D) H. pose proof (p_range u u_small) as Pr. fold p in Pr, A, B, C, D. rewrite pow_1 in A, B.
@@ -147,12 +157,14 @@ End Distances.
 
 (* ------------------------------------------------------------------ the law on the machine *)
 
-(* the law (13) with e clamped: the nearer distance is at least the share c of the width *)
+(* The law (13) with e clamped: the distance to the nearer edge is at least clamp_share times the width. *)
 Definition clamped_law (clamp_share gain a b : R) : R :=
   let near := Rmax (Rmin a b) (clamp_share * (a + b)) in
   let far := a + b - near in
   (if Rlt_dec b a then - gain else gain) * (1 / near + 1 / far) * ln (far / near).
 
+(* The emitted statements, on floats. The edges L and U and the state x are finite and of ordinary size; a and b are the distances of x
+   to the lower and the upper edge. *)
 Section Machine.
   Variables prec emax : Z.
   Context (prec_gt_0_ : Prec_gt_0 prec).
@@ -167,7 +179,7 @@ Section Machine.
   Let A := machine prec emax _ _ log_.
   Notation close := (close u).
 
-  (* the library's logarithm, within 4 units in the last place *)
+  (* The library's logarithm is within 4 units in the last place. *)
   Definition accurate : Prop := forall y : number, is_finite y = true -> 0 < value y ->
     is_finite (log_ y) = true /\ Rabs (value (log_ y) - ln (value y)) <= 8 * u * Rabs (ln (value y)).
   Variable consts : constants.
@@ -175,12 +187,13 @@ Section Machine.
   (* the logarithm of the text, the library's or one that is written out, from a little below 1 on *)
   Variable log_error : R.
   Hypothesis log_error_range : 0 <= log_error <= / 8192.
+  (* The logarithm of the text, the library's or one that is written out, is near ln for numbers from a little below 1 on. *)
   Definition logarithm_near : Prop := forall y : number, is_finite y = true -> 0.9 <= value y <= bpow radix2 62 ->
     is_finite (emitted_log A consts y : number) = true /\ Rabs (value (emitted_log A consts y) - ln (value y)) <= (8 * u + log_error) * Rabs (ln (value y)).
   Hypothesis log_is_near : logarithm_near.
   Hypothesis prec_small : (prec <= 64)%Z.
   Variables gain_real clamp_share_real : R.
-  Variables gain_high gain_low : number. (* the gain where the upper edge is nearer, and where the lower one is *)
+  Variables gain_high gain_low : number. (* the gain with its sign: where the upper edge is nearer, and where the lower one is *)
   Hypothesis gain_low_value : value gain_low = gain_real /\ is_finite gain_low = true.
   Hypothesis gain_high_value : value gain_high = - gain_real /\ is_finite gain_high = true.
   Hypothesis clamp_share_value : value (decimal_number prec emax _ _ (clamp_share consts)) = clamp_share_real /\ is_finite (decimal_number prec emax _ _ (clamp_share consts)) = true.
@@ -213,7 +226,7 @@ Section Machine.
     change (/ IZR (2 ^ 126)) with (bpow radix2 (-126)). apply Rle_refl.
   Qed.
 
-  (* products, quotients and sums of positive numbers of ordinary size *)
+  (* Products and quotients of close numbers of ordinary size. *)
   Lemma product_is_close n m' (v w : number) V W : is_finite v = true -> is_finite w = true -> close n (value v) V -> close m' (value w) W -> (n + m' <= 1000)%nat ->
     / IZR (2 ^ 120) <= V * W <= IZR (2 ^ 120) -> close (1 + (n + m')) (value (Bmult mode_NE v w)) (V * W) /\ is_finite (Bmult mode_NE v w) = true.
   Proof.
@@ -244,6 +257,7 @@ Section Machine.
     assert (clamp_share_real * width <= near_real <= width / 2) by (unfold near_real, Rmax; destruct Rle_dec; lra). unfold far_real. lra.
   Qed.
 
+  (* The machine's values, each with the real number that it is close to. *)
   Let machine_width := sub A U L.
   Lemma machine_width_close : close 1 (value machine_width) width /\ is_finite machine_width = true.
   Proof.
@@ -399,7 +413,7 @@ Section Machine.
     assert (0 <= u * log_real) by (apply Rmult_le_pos; lra). lra.
   Qed.
 
-  (* the sign of the side that the machine takes for the nearer one *)
+  (* The sign of the input: the machine takes the upper edge for the nearer one, or not. *)
   Let machine_side := if upper_nearer A L U x then -1 else 1.
 
   Lemma factor_times_log_near v K e : close 18 v K -> Rabs (e - log_real) <= u * (10 + 9 * log_real) + log_error * log_real -> / 1152921504606846976 / 2 <= K ->
@@ -429,6 +443,7 @@ Section Machine.
     lra.
   Qed.
 
+  (* The machine's input is near the law, with the machine's sign. *)
   Lemma unlimited_input_near : Rabs (value (unlimited_input A consts gain_high gain_low L U x) - machine_side * (gain_real * xi_real * log_real)) <= u * (gain_real * xi_real) * (12 + 30 * log_real) + 1.01 * log_error * (gain_real * xi_real * log_real) /\ is_finite (unlimited_input A consts gain_high gain_low L U x) = true.
   Proof.
     destruct machine_xi_close as [X1 X2]. destruct machine_log_near as [G1 G2]. pose proof xi_real_range as Xr. pose proof log_real_range as Er. pose proof gain_range as Gr. pose proof u_small as Us. pose proof log_error_range as Lr.
@@ -495,7 +510,7 @@ Section Machine.
     assert (0 <= u * (K * log_real)) by (apply Rmult_le_pos; lra). lra.
   Qed.
 
-  (* the emitted law is the law (13) with e clamped, up to 30 u + 1.01 lam in relative terms and in epsilon *)
+  (* The machine's input is the law (13) with e clamped, up to 30 u + 1.01 log_error in relative terms and in epsilon. *)
   Theorem unlimited_input_near_clamped_law : Rabs (value (unlimited_input A consts gain_high gain_low L U x) - clamped_law clamp_share_real gain_real a b) <= (30 * u + 1.01 * log_error) * (gain_real * xi_real) * (1 + log_real) /\ is_finite (unlimited_input A consts gain_high gain_low L U x) = true.
   Proof.
     destruct unlimited_input_near as [P Fi]. split; [|exact Fi]. pose proof xi_real_range as Xr. pose proof log_real_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
@@ -506,7 +521,7 @@ Section Machine.
     rewrite Law. unfold machine_side in P. destruct (upper_nearer A L U x).
     - destruct (Rlt_dec b a) as [Q|Q]; [|specialize (N1 eq_refl); lra]. eapply Rle_trans; [exact P|lra].
     - specialize (N2 eq_refl). destruct (Rlt_dec b a) as [Q|Q]; [|eapply Rle_trans; [exact P|lra]].
-      (* a tie after rounding: the logarithm is near 0, and the wrong sign does not matter *)
+      (* the distances are equal after rounding: the logarithm is near 0, and a wrong sign does not matter *)
       assert (Eq : round_nearest a = round_nearest b) by (apply Rle_antisym; [exact N2|apply round_nearest_le; [exact prec_gt_0_|lra]]).
       assert (b0 : 0 < b).
       { apply Rnot_le_lt; intro C. assert (R0 : round_nearest b <= 0) by (rewrite <- (round_nearest_0 prec emax); now apply round_nearest_le). 
@@ -528,7 +543,7 @@ Section Machine.
       assert (gain_real * xi_real * log_real <= gain_real * xi_real * (3 * u)) by (apply Rmult_le_compat_l; lra). lra.
   Qed.
 
-  (* the same as an error of the factor and an error of the logarithm, as the certificate counts it *)
+  (* The same in the terms of HeldInputLaw.v: an error of the factor and an error of the logarithm. *)
   Theorem unlimited_input_acts_as_law : HeldInputLaw.acts_as_law gain_real clamp_share_real (32 * u + 1.03 * log_error) None a b (value (unlimited_input A consts gain_high gain_low L U x)) /\ is_finite (unlimited_input A consts gain_high gain_low L U x) = true.
   Proof.
     destruct unlimited_input_near_clamped_law as [P Fi]. split; [|exact Fi]. pose proof xi_real_range as Xr. pose proof log_real_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
@@ -557,7 +572,7 @@ Section Machine.
     - unfold HeldInputLaw.limit_input. rewrite W. unfold HeldInputLaw.law_magnitude, HeldInputLaw.clamped_near_distance. fold width. fold nearest_real. fold near_real. fold far_real. fold log_real. unfold HeldInputLaw.side_sign, sign, xi_real. destruct (Rlt_dec b a); ring.
   Qed.
 
-  (* held within a limit it is the limited law: comparisons and a change of sign lose nothing *)
+  (* Limiting an input is exact: comparisons and a change of sign lose nothing. *)
   Lemma saturate_value (limit v : number) : is_finite limit = true -> is_finite v = true -> 0 <= value limit ->
     value (saturate A limit v) = HeldInputLaw.limit_input (Some (value limit)) (value v) /\ is_finite (saturate A limit v) = true.
   Proof.
@@ -583,7 +598,7 @@ Section Machine.
     split; [|exact S2]. exists e1, e2. split; [exact E1|split; [exact E2|]]. rewrite S1, Eq. reflexivity.
   Qed.
 
-  (* and the machine knows whether the state is inside *)
+  (* The machine says that the state is inside just where it is. *)
   Theorem is_inside_correct : is_inside A L U x = true <-> 0 < a /\ 0 < b.
   Proof.
     destruct nearest_distance_rounds as [M1 M2]. assert (Z0 : value (decimal_number prec emax _ _ literal_zero) = 0) by reflexivity.

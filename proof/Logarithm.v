@@ -1,4 +1,7 @@
-(* The logarithm that is written out: y = m 2^e by the bits of y, and ln y = e ln 2 + ln m with ln m = 2 atanh s, s = (m - 1)/(m + 1), near s (2 + C s^2). *)
+(* The logarithm that is written out: y = m 2^e by the bits of y, and ln y = e ln 2 + ln m. With s = (m - 1)/(m + 1), ln m is 2 atanh s,
+   which s (2 + C s^2) approximates. The result is within 1/20480 of ln y, for y from 0.9 to 2^62.
+
+   Controller.v uses `emitted_log_near`. The lemma book has the approximation as `transform.logarithm` (docs/lemmas.md). *)
 From Coq Require Import ZArith QArith Qreals Reals Lia Lra Psatz List Bool SpecFloat.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
@@ -8,6 +11,7 @@ Open Scope R_scope.
 
 (* ------------------------------------------------------------------ real numbers *)
 
+(* A function whose derivative is not negative on [0, b] is at least f 0 at b. *)
 Lemma rises_on_interval f df b : 0 <= b -> (forall r, 0 <= r <= b -> is_derive f r (df r) /\ 0 <= df r) -> f 0 <= f b.
 Proof.
   intros B D. destruct (MVT_gen f 0 b df) as (c & Hc & E); rewrite Rmin_left, Rmax_right in * by exact B.
@@ -16,7 +20,8 @@ Proof.
   - assert (0 <= df c * (b - 0)) by (apply Rmult_le_pos; [apply D, Hc|lra]). lra.
 Qed.
 
-Definition twice_atanh (s : R) : R := ln (1 + s) - ln (1 - s). (* 2 atanh s *)
+(* 2 atanh s. *)
+Definition twice_atanh (s : R) : R := ln (1 + s) - ln (1 - s).
 
 Lemma twice_atanh_ge s : 0 <= s <= 0.172 -> 2 * s + 2 / 3 * s ^ 3 + 2 / 5 * s ^ 5 <= twice_atanh s.
 Proof.
@@ -45,7 +50,7 @@ Qed.
 Lemma twice_atanh_odd s : twice_atanh (- s) = - twice_atanh s.
 Proof. unfold twice_atanh. replace (1 + - s) with (1 - s) by ring. replace (1 - - s) with (1 + s) by ring. ring. Qed.
 
-(* s (2 + C s^2) is near it, and both are about 2 s *)
+(* s (2 + C s^2) is near 2 atanh s, and both are about 2 s. *)
 Lemma cubic_near_twice_atanh C s : 0.676604 <= C <= 0.676605 -> Rabs s <= 0.17158 ->
   Rabs (s * (2 + C * (s * s)) - twice_atanh s) <= 0.000063 * Rabs s /\ 2 * Rabs s <= Rabs (twice_atanh s) <= 2.03 * Rabs s.
 Proof.
@@ -87,7 +92,7 @@ Proof.
   rewrite E. pose proof (twice_atanh_ge (1 / 9) ltac:(lra)). pose proof (twice_atanh_le (1 / 9) ltac:(lra)). pose proof (twice_atanh_ge (3 / 253) ltac:(lra)). pose proof (twice_atanh_le (3 / 253) ltac:(lra)). lra.
 Qed.
 
-(* a relative error as a factor *)
+(* A relative error as a factor 1 + d. *)
 Lemma relative_error_as_factor e r x : 0 <= e -> Rabs (r - x) <= e * Rabs x -> exists d, Rabs d <= e /\ r = x * (1 + d).
 Proof.
   intros E H. destruct (Req_dec x 0) as [->|X].
@@ -99,6 +104,7 @@ Qed.
 
 (* ------------------------------------------------------------------ bits *)
 
+(* The bits of a float, and the statements of the logarithm. *)
 Section Machine.
   Variables prec emax : Z.
   Context (prec_gt_0_ : Prec_gt_0 prec).
@@ -109,10 +115,10 @@ Section Machine.
   Notation number := (binary_float prec emax).
   Notation value := (@B2R prec emax).
   Notation round_nearest := (round_nearest prec emax).
-  Notation P := (exponent_step prec).
+  Notation P := (exponent_step prec). (* 1 in the field of the exponent *)
   Let u := unit_roundoff prec.
 
-  (* the least m: its exponent's field, and its fraction *)
+  (* The bit pattern of the smallest m: its exponent's field, and its fraction cut_fraction. *)
   Variable cut_fraction : Z.
   Hypothesis cut_parts : mantissa_cut prec = ((emax - 2) * P + cut_fraction)%Z.
   Hypothesis cut_fraction_range : (7071067 * (2 * P) <= 10000000 * (cut_fraction + P) <= 7071068 * (2 * P))%Z.
@@ -146,7 +152,7 @@ Section Machine.
     rewrite <- bpow_plus. apply bpow_le. lia.
   Qed.
 
-  (* y = m 2^e *)
+  (* The bits split y into m and e: y = m 2^e, with m from about 1/sqrt 2 to about sqrt 2. *)
   Lemma bits_split_number (y : number) : is_finite y = true -> 0.9 <= value y <= bpow radix2 62 ->
     let e := exponent_by_bits prec emax y in let m := mantissa_by_bits prec emax _ _ y in
     is_finite m = true /\ value y = value m * bpow radix2 e /\ (0 <= e <= 63)%Z /\ 0.7071067 <= value m <= 1.4142136 /\ exists q, value m = IZR q * bpow radix2 (- prec).
@@ -172,7 +178,7 @@ Section Machine.
     { apply Znot_gt_le. intro C. assert (bpow radix2 (prec - 1) * bpow radix2 (64 - prec) <= IZR (Zpos M) * bpow radix2 E).
       { apply Rmult_le_compat; try apply bpow_ge_0; [|apply bpow_le; lia]. rewrite <- (IZR_Zpower radix2) by lia. apply IZR_le, M0. }
       rewrite <- bpow_plus in H0. replace (prec - 1 + (64 - prec))%Z with 63%Z in H0 by ring. assert (bpow radix2 62 < bpow radix2 63) by (apply bpow_lt; lia). lra. }
-    (* its bits, from those of the least m on *)
+    (* its bits, less those of the smallest m *)
     assert (Bits : (bits prec emax (B754_finite false M E H) - mantissa_cut prec = (E + prec) * P + (Zpos M - P - cut_fraction))%Z).
     { unfold bits. replace (Zpos M <? P)%Z with false by (symmetry; apply Z.ltb_ge; exact M0). rewrite cut_parts. unfold minimum_exponent. ring. }
     assert (Low : (0 <= cut_fraction < P)%Z) by lia.
@@ -235,7 +241,7 @@ Section Machine.
   Qed.
   Lemma ordinary_below_maximum v : Rabs v <= 1000 -> Rabs v <= safe_maximum emax.
   Proof. intro H. apply Rle_trans with (1 := H). unfold safe_maximum. apply Rle_trans with (bpow radix2 10); [change (bpow radix2 10) with 1024; lra|apply bpow_le; lia]. Qed.
-  (* a rounding is a factor where the exact value is 0 or not very small *)
+  (* A rounding is a factor where the exact value is 0 or not very small. *)
   Lemma rounding_as_factor x : x = 0 \/ bpow radix2 (-126) <= Rabs x -> exists d, Rabs d <= u /\ round_nearest x = x * (1 + d).
   Proof.
     pose proof unit_roundoff_small. intro H0. apply relative_error_as_factor; [lra|]. destruct H0 as [->|Q].
@@ -243,7 +249,7 @@ Section Machine.
     - apply round_nearest_relative_error; [exact prec_gt_0_|exact emax_large|exact Q].
   Qed.
 
-  (* ln m, for m from the bits *)
+  (* ln m by the statements, for m from the bits. *)
   Lemma mantissa_log_near (m : number) : is_finite m = true -> 0.7071067 <= value m <= 1.4142136 -> (exists q, value m = IZR q * bpow radix2 (- prec)) ->
     let s := Bdiv mode_NE (Bminus mode_NE m (literal_number literal_one)) (Bplus mode_NE m (literal_number literal_one)) in
     let part := Bmult mode_NE s (Bplus mode_NE (Bmult mode_NE (Bmult mode_NE s s) (literal_number (log_coefficient consts))) (literal_number literal_two)) in
@@ -275,9 +281,9 @@ Section Machine.
     assert (Small : s = 0 \/ bpow radix2 (-100) <= Rabs s).
     { destruct (Req_dec y 1) as [Y1|Y1]; [left; unfold s; rewrite Y1; lra|right].
       assert (Z : bpow radix2 (- prec) <= Rabs (y - 1)).
-      { assert (One : 1 = IZR (2 ^ prec) * bpow radix2 (- prec)).
+      { assert (One_is_power : 1 = IZR (2 ^ prec) * bpow radix2 (- prec)).
         { change 2%Z with (radix_val radix2). rewrite (IZR_Zpower radix2) by lia. rewrite <- bpow_plus, Z.add_opp_diag_r. reflexivity. }
-        assert (Ey : y - 1 = IZR (q - 2 ^ prec) * bpow radix2 (- prec)) by (rewrite minus_IZR, Hq; rewrite One at 1; ring).
+        assert (Ey : y - 1 = IZR (q - 2 ^ prec) * bpow radix2 (- prec)) by (rewrite minus_IZR, Hq; rewrite One_is_power at 1; ring).
         rewrite Ey, Rabs_mult, (Rabs_pos_eq (bpow _ _)) by apply bpow_ge_0. rewrite <- (Rmult_1_l (bpow radix2 (- prec))) at 1. apply Rmult_le_compat_r; [apply bpow_ge_0|].
         rewrite <- abs_IZR. apply IZR_le. assert (q - 2 ^ prec <> 0)%Z; [|lia]. intro C0. apply Y1. rewrite C0 in Ey. lra. }
       unfold s, Rdiv. rewrite Rabs_mult, (Rabs_pos_eq (/ (y + 1))) by (left; apply Rinv_0_lt_compat; lra).
@@ -348,7 +354,7 @@ Section Machine.
     replace (value part - ln y) with ((value part - s * (2 + C * z)) + (s * (2 + C * z) - ln y)) by ring. eapply Rle_trans; [apply Rabs_triang|]. lra.
   Qed.
 
-  (* the statements give ln y, but for 0.8 2^-14 of it *)
+  (* The statements give ln y, up to 1/20480 of it. *)
   Theorem inline_log_near (y : number) : is_finite y = true -> 0.9 <= value y <= bpow radix2 62 ->
     is_finite (inline_log A consts y : number) = true /\ Rabs (value (inline_log A consts y) - ln (value y)) <= / 20480 * Rabs (ln (value y)).
   Proof.
@@ -363,7 +369,7 @@ Section Machine.
     assert (Ee : 0 <= IZR e <= 63) by (split; apply IZR_le; lia).
     assert (Cr : 0 <= IZR e * c <= 50) by (split; [apply Rmult_le_pos; lra|apply Rle_trans with (63 * 0.693148); [apply Rmult_le_compat; lra|lra]]).
     destruct (mul_rounds prec emax _ _ prec_large emax_large (of_int prec emax _ _ e) (literal_number (ln_two consts)) I2 T2) as [W1 W2]; [apply ordinary_below_maximum; rewrite I1; fold c; rewrite Rabs_pos_eq; lra|].
-    rewrite I1 in W1. fold c in W1. set (whole := Bmult mode_NE (of_int prec emax _ _ e) (literal_number (ln_two consts))) in *.
+    rewrite I1 in W1. fold c in W1. set (exponent_part := Bmult mode_NE (of_int prec emax _ _ e) (literal_number (ln_two consts))) in *.
     assert (Zero : e = 0%Z \/ 1 <= IZR e) by (destruct (Z.eq_dec e 0); [now left|right; apply IZR_le; lia]).
     destruct (rounding_as_factor (IZR e * c)) as (d6 & D6 & E6).
     { destruct Zero as [->|G]; [left; ring|right]. rewrite Rabs_pos_eq by lra. apply Rle_trans with 0.5.
@@ -375,8 +381,8 @@ Section Machine.
     assert (Pw : Rabs (IZR e * c * d6) <= IZR e * 0.00000005).
     { rewrite !Rabs_mult, (Rabs_pos_eq (IZR e)), (Rabs_pos_eq c) by lra. rewrite Rmult_assoc. apply Rmult_le_compat_l; [lra|]. apply Rle_trans with (0.693148 * 0.00000006); [|lra].
       apply Rmult_le_compat; try apply Rabs_pos; [lra|lra|apply Rabs_le; lra]. }
-    assert (Wv : value whole = IZR e * c + IZR e * c * d6) by (rewrite W1; ring).
-    destruct (add_rounds prec emax _ _ prec_large emax_large whole part W2 Fp) as [V1 V2].
+    assert (Wv : value exponent_part = IZR e * c + IZR e * c * d6) by (rewrite W1; ring).
+    destruct (add_rounds prec emax _ _ prec_large emax_large exponent_part part W2 Fp) as [V1 V2].
     { apply ordinary_below_maximum. rewrite Wv. apply Rabs_le_between in Pm, Pw. apply Rabs_le. lra. }
     split; [exact V2|]. rewrite V1, Ey. clear V1.
     assert (m0 : 0 < value m) by lra. rewrite ln_mult by (try exact m0; apply bpow_gt_0).
@@ -384,22 +390,23 @@ Section Machine.
     destruct Zero as [Z0|G].
     - assert (E0 : IZR e = 0) by (rewrite Z0; reflexivity). rewrite Wv, E0, !Rmult_0_l, !Rplus_0_l, Rplus_0_r. rewrite round_nearest_of_format by apply number_format.
       pose proof (Rabs_pos (ln (value m))). lra.
-    - assert (Rd := sum_relative_error prec emax prec_gt_0_ prec_large (value whole) (value part) (number_format _ _ _) (number_format _ _ _)). fold u in Rd.
-      set (r := round_nearest (value whole + value part)) in *. set (l := ln (value m)) in *. clearbody r l.
+    - assert (Rd := sum_relative_error prec emax prec_gt_0_ prec_large (value exponent_part) (value part) (number_format _ _ _) (number_format _ _ _)). fold u in Rd.
+      set (r := round_nearest (value exponent_part + value part)) in *. set (l := ln (value m)) in *. clearbody r l.
       apply Rabs_le_between in Pm, Pw, Lm. assert (Ep2 : Rabs (value part - l) <= 0.000012) by (eapply Rle_trans; [exact Ep|]; assert (Rabs l <= 0.3484) by (apply Rabs_le; lra); lra).
       apply Rabs_le_between in Ep2.
       assert (C1 : -0.000002 * IZR e <= IZR e * c - IZR e * ln 2 <= 0.000002 * IZR e).
       { replace (IZR e * c - IZR e * ln 2) with ((c - ln 2) * IZR e) by ring. split; apply Rmult_le_compat_r; lra. }
       assert (C2 : 0.693146 * IZR e <= IZR e * ln 2) by (rewrite (Rmult_comm (IZR e)); apply Rmult_le_compat_r; lra).
       assert (C3 : IZR e * c <= IZR e * 0.693148) by (apply Rmult_le_compat_l; lra).
-      assert (S0 : 0 <= value whole + value part <= IZR e * 1.1) by lra.
-      rewrite (Rabs_pos_eq _ (proj1 S0)) in Rd. assert (Ru : u * (value whole + value part) <= 0.00000006 * (IZR e * 1.1)) by (apply Rmult_le_compat; lra).
+      assert (S0 : 0 <= value exponent_part + value part <= IZR e * 1.1) by lra.
+      rewrite (Rabs_pos_eq _ (proj1 S0)) in Rd. assert (Ru : u * (value exponent_part + value part) <= 0.00000006 * (IZR e * 1.1)) by (apply Rmult_le_compat; lra).
       apply Rabs_le_between in Rd. rewrite (Rabs_pos_eq (l + IZR e * ln 2)) by lra. apply Rabs_le. lra.
   Qed.
 End Machine.
 
 (* ------------------------------------------------------------------ of both formats *)
 
+(* A literal is between two rationals. *)
 Definition literal_between (f : format) (d : decimal) (a b : Q) : bool :=
   let v := decimal_float (precision f) (largest_exponent f) d in (is_finite_SF v && Qle_bool a (spec_float_value v) && Qle_bool (spec_float_value v) b)%bool.
 Lemma literal_between_value f d a b : literal_between f d a b = true -> let v := decimal_number (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) d in
@@ -409,8 +416,9 @@ Proof.
   apply Qle_bool_iff, Qle_Rle in L, H. auto.
 Qed.
 
-(* the logarithm of the text is near: the library's by assumption, one that is written out by the above *)
+(* The relative error of the logarithm of a text, besides that of the library: 0 where the text calls the library. *)
 Definition log_error_of (k : constants) : R := if has_inline_log k then / 20480 else 0.
+(* The logarithm of the text is near ln: the library's by assumption, one that is written out by proof. *)
 Lemma emitted_log_near (f : format) (log_ : binary_float (precision f) (largest_exponent f) -> binary_float (precision f) (largest_exponent f)) (k : constants) :
   (has_inline_log k = false -> accurate (precision f) (largest_exponent f) log_) ->
   logarithm_near (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_ k (log_error_of k).
@@ -427,7 +435,8 @@ Proof.
   - destruct (H eq_refl y Fy ltac:(lra)) as [G1 G2]. split; [exact G1|]. rewrite Rplus_0_r. exact G2.
 Qed.
 
-(* Numbers and their bits, as the standard has them: 1, -0.75, the least positive one, infinity. *)
+(* The bits and the value of a number in memory. The two lemmas are for readers: 1, -0.75, the smallest positive number and infinity have
+   the bits that the standard gives them. *)
 Definition bits_and_value (f : format) (z : Z) : Z * spec_float :=
   let v := of_bits (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) z in (bits (precision f) (largest_exponent f) v, B2SF v).
 Lemma bits_of_single : map (bits_and_value Single) [0x3f800000; 0xbf400000; 0x00000001; 0x7f800000]%Z = [

@@ -357,8 +357,8 @@ Section Parse.
   Definition has_task_mark (x : string) : bool := match x with String c _ => Ascii.eqb c "@" | EmptyString => false end.
   (* Accepts a definition only where all directives come before it, and its name begins with the task's: so it is no function of a
      library. *)
-  Definition after_directives (x : string) (s : source) (whole : source) : option source :=
-    match directives s with [] => if has_task_mark x then Some whole else None | _ => None end.
+  Definition after_directives (x : string) (s : source) (accepted : source) : option source :=
+    match directives s with [] => if has_task_mark x then Some accepted else None | _ => None end.
   (* All directives and definitions of a file. *)
   Fixpoint read_file (fuel : nat) (l : list token) : option source :=
     match fuel, l with

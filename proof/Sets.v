@@ -107,7 +107,7 @@ Lemma in_set_shape_of_box n b y : in_set n (shape_of_box b) y <-> forall i, (i <
 Proof.
   assert (O : forall i, real_at [] i = 0) by (intro; unfold real_at; destruct i; cbn; unfold Q2R; cbn; lra).
   split.
-  - intros (q & e & r & (ws & Len & _ & One & Hq) & He & Hr & _ & Y) i Hi. rewrite (Y i Hi), (Hq i Hi), (Hr i Hi) by easy.
+  - intros (q & e & r & (ws & Len & _ & SumsTo1 & Hq) & He & Hr & _ & Y) i Hi. rewrite (Y i Hi), (Hq i Hi), (Hr i Hi) by easy.
     destruct ws as [|w [|]]; try easy. unfold convex_combination. cbn. rewrite O. specialize (He i Hi). cbn in He. lra.
   - intro H. exists (fun _ => 0), y, (fun _ => 0). split; [|split; [exact H|split; [easy|split; [|intros; ring]]]].
     + exists [1]. split; [reflexivity|split; [intros w [<-|[]]; lra|split; [cbn; lra|]]]. intros. unfold convex_combination. cbn. rewrite O. lra.
@@ -221,10 +221,10 @@ Qed.
 
 Lemma core_support_bounds n v ms c q : in_core n c q -> total n (fun i => Q2R (v i) * q i) <= Q2R (core_support_bound n v ms c).
 Proof.
-  destruct c as [points|room faces]; cbn [in_core core_support_bound].
-  - intros (ws & Len & Pos & One & Hq).
+  destruct c as [points|bounds faces]; cbn [in_core core_support_bound].
+  - intros (ws & Len & Pos & SumsTo1 & Hq).
     rewrite (total_eq n _ (fun i => Q2R (v i) * convex_combination ws points i)) by (intros i Hi; now rewrite Hq).
-    rewrite total_of_convex_combination. set (m := maximum _). replace (Q2R m) with (fold_right Rplus 0 ws * Q2R m) by (rewrite One; ring).
+    rewrite total_of_convex_combination. set (m := maximum _). replace (Q2R m) with (fold_right Rplus 0 ws * Q2R m) by (rewrite SumsTo1; ring).
     apply (weighted_sum_below _ (fun p => total n (fun i => Q2R (v i) * real_at p i))); [exact Pos| |exact Len].
     intros p Hp. eapply Rle_trans; [|apply maximum_bounds, (in_map _ _ _ Hp)]. cbv beta. rewrite total_rational_value. apply total_le. intros i _. rewrite product_skipping_zero_value. unfold real_at. lra.
   - intros [B F]. rewrite Q2R_plus.
@@ -263,17 +263,17 @@ Qed.
 Lemma ball_support_bounds n v axes r rho : (forall i, (i < n)%nat -> ~ In i axes -> r i = 0) -> total n (fun i => (r i)^2) <= rho^2 ->
   total n (fun i => IZR (v i) * r i) <= Rabs rho * Q2R (euclidean_norm_above n v axes).
 Proof.
-  intros O B. set (own := fun i => if existsb (Nat.eqb i) axes then IZR (v i) else 0).
-  rewrite (total_eq n _ (fun i => own i * r i)).
-  - destruct (euclidean_norm_above_bounds n v axes) as [W S]. rewrite sum_of_squares_value in S. fold own in S. assert (C := cauchy_schwarz n own r).
-    change (fun i => (if existsb (Nat.eqb i) axes then IZR (v i) else 0)^2) with (fun i => (own i)^2) in S.
-    set (A := total n (fun i => own i * r i)) in *. set (T := total n (fun i => (own i)^2)) in *. set (R := total n (fun i => (r i)^2)) in *.
+  intros O B. set (masked_normal := fun i => if existsb (Nat.eqb i) axes then IZR (v i) else 0).
+  rewrite (total_eq n _ (fun i => masked_normal i * r i)).
+  - destruct (euclidean_norm_above_bounds n v axes) as [W S]. rewrite sum_of_squares_value in S. fold masked_normal in S. assert (C := cauchy_schwarz n masked_normal r).
+    change (fun i => (if existsb (Nat.eqb i) axes then IZR (v i) else 0)^2) with (fun i => (masked_normal i)^2) in S.
+    set (A := total n (fun i => masked_normal i * r i)) in *. set (T := total n (fun i => (masked_normal i)^2)) in *. set (R := total n (fun i => (r i)^2)) in *.
     set (w := Q2R (euclidean_norm_above n v axes)) in *. assert (P := Rabs_pos rho).
     assert (E : A^2 <= (Rabs rho * w)^2).
     { rewrite Rpow_mult_distr, <- Rsqr_pow2 with (x := Rabs rho), <- Rsqr_abs, Rsqr_pow2. apply Rle_trans with (1 := C). rewrite Rmult_comm.
       apply Rmult_le_compat; [|unfold T|exact B|exact S]; [unfold R|]; rewrite <- (total_zero n); apply total_le; intros; apply pow2_ge_0. }
     apply Rnot_lt_le. intro Q. assert (0 <= Rabs rho * w) by (apply Rmult_le_pos; assumption). nra.
-  - intros i Hi. unfold own. destruct (existsb (Nat.eqb i) axes) eqn:E; [reflexivity|].
+  - intros i Hi. unfold masked_normal. destruct (existsb (Nat.eqb i) axes) eqn:E; [reflexivity|].
     rewrite O; [ring|exact Hi|]. intro I. assert (existsb (Nat.eqb i) axes = true) by (apply existsb_exists; exists i; split; [exact I|apply Nat.eqb_refl]). congruence.
 Qed.
 

@@ -1,5 +1,9 @@
-(* The whole chain: a controller as the reader finds it in the C text, run on the machine at every sample, keeps every trajectory of every plant within the conditions
-   that are stated where the task wants it, and |e| below what the certificate says. *)
+(* The whole chain for a shipped controller: read from its C text and run on the machine at every sample, it keeps every trajectory of
+   every plant within the stated conditions in the state space and clear of every unsafe set, and brings it into the target set by t_c;
+   |e| stays bounded.
+
+   It joins Controller.v (what the C computes) with Period.v (P9). Theorem files apply `controller_sound` and `controller_tick_sound` to
+   a shipped controller (docs/theorem.md, theorems 3 and 4 about the controller). *)
 From Coq Require Import ZArith QArith Qreals Qminmax Qabs Reals List Bool Lia Lra String.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
@@ -7,25 +11,27 @@ From Stt Require Import Tube Loop Speed Rounding Emitted EmittedTube HeldInputs 
 Import ListNotations.
 Open Scope R_scope.
 
-(* What is said of samples and of the plant xdot_i = f_i + sum over j of g_ij u_j; lists are by component. *)
+(* The conditions on samples and on the plant xdot_i = f_i + sum over j of g_ij u_j; lists are by component. *)
 Record conditions := Conditions {
-  sampling_period : Q;            (* seconds between samples, at most *)
-  input_delay : Q;           (* seconds from a sample to its input, at most *)
-  start_share : Q;             (* |e(0)|, at most *)
-  sensor_noise : Q;             (* of each measured x, besides its rounding *)
-  forces_max : list Q;       (* |f_i|, drift and disturbance, at most *)
-  diagonal_gains_min : list Q;  (* g_ii, at least *)
-  diagonal_gains_max : list Q;   (* g_ii, at most *)
-  cross_gains_max : list Q   (* |g_ij| for other j, at most *)
+  sampling_period : Q;          (* largest time between samples, in seconds *)
+  input_delay : Q;              (* largest age of a sample when its input acts, in seconds *)
+  start_share : Q;              (* largest |e| at 0 *)
+  sensor_noise : Q;             (* largest error of a measured coordinate, before it is rounded *)
+  forces_max : list Q;          (* bound on |f_i|, drift and disturbance *)
+  diagonal_gains_min : list Q;  (* lower bound on g_ii *)
+  diagonal_gains_max : list Q;  (* upper bound on g_ii *)
+  cross_gains_max : list Q      (* bound on |g_ij| for other j *)
 }.
+(* v is at most every number of the list. *)
 Definition at_most_all (v : Q) (l : list Q) : bool := forallb (fun w => Qle_bool v w) l.
 
-(* The largest coordinate of the state space: a float near it is rounded by half_ulp times that. *)
+(* The largest coordinate of a box, in size: a float near it is rounded by half_ulp times that. *)
 Definition largest_coordinate (b : box) : Q := fold_right (fun v m => Qmax (Qabs v) m) 0%Q (lower_corner b ++ upper_corner b).
-(* What a measured state is wrong by at most. *)
+(* The largest error of a measured coordinate, rounding included. *)
 Definition sensor_error (f : format) (spec : Tube.task) (conds : conditions) : Q := (sensor_noise conds + half_ulp f * largest_coordinate (state_space spec))%Q.
 
-(* What a function of the text stores for component i, called with a time or a count of ticks and with the state x; 0 where it would not run. *)
+(* What a function of the text stores for component i, called with a time or a count of ticks and with the state x; 0 where it does not
+   end. *)
 Definition stored_input (f : format) (log_ : binary_float (precision f) (largest_exponent f) -> binary_float (precision f) (largest_exponent f))
   (consts : constants) (program : source) (name : string) (v : Run.c_value (machine (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_))
   (x : nat -> binary_float (precision f) (largest_exponent f)) (i : nat) : R :=
@@ -34,13 +40,14 @@ Definition stored_input (f : format) (log_ : binary_float (precision f) (largest
   | Some (out, _) => match last_stored (A := A) "u" (Z.of_nat i) out with Some v => @B2R (precision f) (largest_exponent f) v | None => 0 end
   | None => 0
   end.
+(* What `control` stores at time t, and what `control_tick` stores at a tick. *)
 Definition applied_input f log_ consts program (t : binary_float (precision f) (largest_exponent f)) x i : R :=
   stored_input f log_ consts program "@control" (@RealValue (machine (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_) t) x i.
 Definition applied_input_at_tick f log_ consts program (tick : Z) x i : R :=
   stored_input f log_ consts program "@control_tick" (@UnsignedValue (machine (precision f) (largest_exponent f) (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_) tick) x i.
 
-(* What `period_check` decides on: the law as the text has it, the conditions, and two lists, of the certificate or chosen: rho, and what a distance that the law
-   sees is wrong by. *)
+(* The sampled loop that `period_check` decides about: the law of the text, the conditions, and two lists from the certificate, rho and
+   the error of a distance that the law measures. *)
 Definition sampling_of (n : nat) (conds : conditions) (law_error : Q) (gains clamp_shares : list Q) (limits : list (option Q)) (rhos shifts : list Q) : sampling :=
   Sampling (sampling_period conds + input_delay conds) (input_delay conds) (start_share conds) law_error (map (fun i =>
     Component (nth i gains 0) (nth i clamp_shares 0) (nth i limits None) (nth i rhos 0) (nth i (forces_max conds) 0) (nth i (diagonal_gains_min conds) 0) (nth i (diagonal_gains_max conds) 0)
@@ -54,6 +61,8 @@ Proof.
   now rewrite seq_nth by exact H.
 Qed.
 
+(* A text as it was read, the checks, and a sampled loop. Input p is computed from the sample of time sampled_at p and acts from
+   acts_from p on; x is the trajectory, `measured p` what the sensors say at that time. *)
 Section Sound.
   Variable f : format.
   Notation prec := (precision f).
@@ -61,7 +70,6 @@ Section Sound.
   Notation number := (binary_float prec emax).
   Notation value := (@B2R prec emax).
 
-  (* the text, as read, and the checks *)
   Variables (consts : constants) (coefficients : list decimal) (directive_lines : list string).
   Variables (unit edge_error : Q) (plan : search_plan) (spec : Tube.task) (rows : Tube.table) (step_maxima : list Z) (scale : time_scale) (time_error : Q) (gains clamp_shares : list Q) (limits : list (option Q)).
   Variables (conds : conditions) (rhos shifts : list Q) (hints : list (list (Q * Q))) (cell_count : nat).
@@ -78,7 +86,6 @@ Section Sound.
   Variable log_ : number -> number.
   Hypothesis log_accurate : has_inline_log consts = false -> accurate prec emax log_.
 
-  (* inputs are computed from samples, and act from one switch to the next *)
   Variables (sampled_at acts_from : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R).
   Variable measured : nat -> nat -> number.
   Let L (i : nat) (t : R) := Tube.lower unit spec rows i t.
@@ -90,18 +97,20 @@ Section Sound.
     Rabs (value (measured p i) - x i (sampled_at p)) <= Q2R (sensor_error f spec conds).
   Hypothesis x_continuous : forall i t, (i < n spec)%nat -> continuity_pt (x i) t.
   Hypothesis x_starts_in_share : forall i, (i < n spec)%nat -> Rabs (2 * x i 0 - L i 0 - U i 0) <= Q2R (start_share conds) * (U i 0 - L i 0).
+  (* The plant, driven by these inputs, is within the conditions. *)
   Definition plant_within (input : nat -> nat -> R) : Prop :=
     forall p t, acts_from p < t < acts_from (S p) -> (forall i, (i < n spec)%nat -> L i t < x i t < U i t) -> forall i, (i < n spec)%nat ->
     is_derive (x i) t (push i t + total (n spec) (fun j => G i j t * input p j)) /\
     Rabs (push i t) <= real_at (forces_max conds) i /\ real_at (diagonal_gains_min conds) i <= G i i t <= real_at (diagonal_gains_max conds) i /\
     forall j, (j < n spec)%nat -> j <> i -> Rabs (G i j t) <= real_at (cross_gains_max conds) i.
+  (* The trajectory stays in the state space, is clear of every unsafe set, and is in the target set from t_c on; |e| is bounded by rho. *)
   Definition reach_avoid_stay_holds : Prop := forall p t, 0 <= t <= acts_from p ->
     (forall i, (i < n spec)%nat -> Rabs (2 * x i t - L i t - U i t) <= (real_at rhos i - 1) / (real_at rhos i + 1) * (U i t - L i t)) /\
     in_space spec (fun i => x i t) /\
     (forall o, In o (unsafe_sets spec) -> clear (n spec) (Q2R (clearance spec)) o (fun i => x i t)) /\
     (Q2R (t_c spec) <= t -> in_target spec (fun i => x i t)).
 
-  (* For what a function of the text stores, whose edges at sample p are near the exact ones of its time. *)
+  (* That holds for a function of the text whose edges at every sample are near the exact ones of its time. *)
   Lemma stored_inputs_reach_avoid_stay name (v : nat -> Run.c_value (machine prec emax (Edge.precision_pos_instance f) (Edge.precision_below_instance f) log_)) (low high : nat -> nat -> R) :
     (forall p i, (i < n spec)%nat -> Rabs (low p i - L i (sampled_at p)) <= Q2R edge_error /\ Rabs (high p i - U i (sampled_at p)) <= Q2R edge_error) ->
     (forall p, runs_as_law f consts coefficients directive_lines spec gains clamp_shares limits log_ (measured p) name (v p) (low p) (high p)) ->
@@ -128,7 +137,7 @@ Section Sound.
     - split; [|exact K2]. intros i Hi. specialize (K1 i Hi). rewrite (Part i Hi) in K1. exact K1.
   Qed.
 
-  (* `control`, for a clock that shows the time, right or rounded once; *)
+  (* It holds for `control`, with a clock that shows the time, right or rounded once. *)
   Theorem controller_sound (clock : nat -> number) : (forall p, is_finite (clock p) = true /\ clock_shows f (value (clock p)) (sampled_at p)) ->
     plant_within (fun p i => applied_input f log_ consts program (clock p) (measured p) i) -> reach_avoid_stay_holds.
   Proof.
@@ -139,7 +148,7 @@ Section Sound.
         (measured p) (fun j Hj => proj1 (measurements_near p j Hj)) (fun j Hj => proj1 (proj2 (measurements_near p j Hj))) (clock p) (proj1 (clock_reads p)) (sampled_at p) (proj2 (clock_reads p))).
   Qed.
 
-  (* and `control_tick`, for samples that are taken at counts of ticks. *)
+  (* It holds for `control_tick`, with samples at counts of ticks. *)
   Theorem controller_tick_sound (tick_period : Q) (tick : nat -> Z) : tick_constants_check f consts spec rows time_error tick_period = true ->
     (forall p, (0 <= tick p <= 4294967295)%Z /\ sampled_at p = IZR (tick p) * Q2R tick_period) ->
     plant_within (fun p i => applied_input_at_tick f log_ consts program (tick p) (measured p) i) -> reach_avoid_stay_holds.
