@@ -14,6 +14,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.controllers import ROOT
+from tests.support.unused_coq import WORD, without_comments
 
 # A name with one of these words says what happened to a value, or how it stands to the reader, and not what the value is.
 BANNED_WORDS = frozenset(
@@ -23,6 +24,7 @@ BANNED_WORDS = frozenset(
 BANNED_ALONE = frozenset(
     "one other others each every place back room calm dear quick".split()
 )  # as a whole name; a part of a name may be one
+BANNED_IN_PROOFS = frozenset("any both kept laid nobody none once only several shown".split())  # as a whole name in proof/
 ALLOWED = frozenset("at_least at_most held_input held_inputs".split())  # terms of the field, as a part of a name or the whole
 KEYS_OF_TASKS = {("stt_codegen/task/mission/regions.py", "every")}  # fields that are keys of the task file, which stay
 
@@ -133,6 +135,25 @@ def phrases_in(text: str) -> list[str]:
     return [f'"{hit[0]}": {remedy}' for phrase, remedy in BANNED_PHRASES.items() if (hit := re.search(phrase, plain, re.I))]
 
 
+def proof_files() -> dict[str, str]:
+    """Texts by path of the library of proofs, and of the templates of theorem files."""
+    paths = [*sorted((ROOT / "proof").glob("*.v")), *sorted((ROOT / "templates").glob("*.v.j2"))]
+    return {str(path.relative_to(ROOT)): path.read_text() for path in paths}
+
+
+def coq_names(text: str) -> set[str]:
+    """Return all names of a Coq text, local ones too, outside of comments, strings and expressions of a template."""
+    return set(WORD.findall(without_comments(re.sub(r"\{\{.*?\}\}|\{%.*?%\}", " ", text, flags=re.S))))
+
+
+def coq_comments(text: str) -> list[str]:
+    return re.findall(r"\(\*.*?\*\)", text, re.S)
+
+
+def is_banned_in_proofs(name: str) -> bool:
+    return is_banned(name) or name in BANNED_IN_PROOFS
+
+
 def functions(tree: ast.AST) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
@@ -186,6 +207,19 @@ def test_functions_can_be_read() -> None:
     assert bad == []
 
 
+def test_names_of_proofs_say_what_a_value_is() -> None:
+    """Lemmas, definitions, fields, variables and hypotheses, and what a proof names on its way."""
+    assert [
+        f"{path}: {n}" for path, text in proof_files().items() for n in sorted(coq_names(text)) if is_banned_in_proofs(n)
+    ] == []
+
+
+def test_comments_of_proofs_have_no_riddles() -> None:
+    parts = [(path, part) for path, text in proof_files().items() for part in coq_comments(text)]
+    assert [f"{path}: {hit}" for path, part in parts for hit in phrases_in(part)] == []
+    assert [path for path, text in proof_files().items() if not text.startswith("(* ")] == [], "say what the file shows"
+
+
 def test_what_is_pending_exists() -> None:
     assert [entry for entry in (*PENDING, *EXEMPT) if not (ROOT / entry).exists()] == []
 
@@ -221,3 +255,14 @@ def test_the_laws_find_what_they_are_about() -> None:
     body = "".join(f"    a{k} = {k}\n" for k in range(61))
     (function,) = functions(ast.parse(f"def f():\n{body}"))
     assert len(list(problems(function))) == 2
+
+
+def test_the_laws_of_proofs_find_what_they_are_about() -> None:
+    text = (
+        "(* What came of it: the least (* once more *) *)\nSection Held.\n  Variables others (x_kept held_input : nat).\n"
+        '  Record found := Found { most_gains : nat; at_least : nat }. (* "shown" *)\n'
+        "  Lemma nobody_is_here : shown = only. Proof. intros given. exact {{ told }}. Qed.\nEnd Held.\n"
+    )
+    named = "Found Held found given most_gains nobody_is_here only others shown".split()
+    assert sorted(name for name in coq_names(text) if is_banned_in_proofs(name)) == named
+    assert len([hit for part in coq_comments(text) for hit in phrases_in(part)]) == 1

@@ -1,8 +1,8 @@
 (* omni_s1.v: theorems about the controller in omni_s1.c. The texts of the task, of omni_s1.h and of omni_s1.c are below, and Coq reads them.
 
-   For every finite time and every state below 2^30, `omni_s1_control` ends, with nothing that C leaves undefined, u being
-   an array apart from x; what it stores are finite inputs that act as the law (13) with e clamped, on the distances of the state from edges L and U, up to
-   32 units of rounding in the factor and in epsilon; its status says whether the state is between L and U in every dimension.
+   For every finite time and every state below 2^30, `omni_s1_control` ends, without anything that C leaves undefined, if u is another array than x.
+   It stores finite inputs that act as the law (13) with e clamped, on the distances of the state from edges L and U, up to
+   32 units of rounding in the factor and in epsilon. Its status says whether the state is between L and U in every dimension.
    For every time, L and U are those of the tube theorem: as wide as demanded, within the state space, clear of every unsafe set,
    in the initial set at 0 and in the target set from t_c on.
 
@@ -682,7 +682,7 @@ void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real u
 }
 "%text.
 
-(* The task that is read in the first. Unsafe sets are grown and the state space is shrunk by the body; all numbers are exact. *)
+(* The task in the first file. Unsafe sets are grown and the state space is shrunk by the body; all numbers are exact. *)
 Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
   (Box [(0 # 1); (0 # 1)] [(5 # 1); (5 # 1)]) (* state space *)
   (Box [(0 # 1); (9 # 2)] [(1 # 2); (5 # 1)]) (* initial set *)
@@ -696,7 +696,7 @@ Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
 Lemma task_read : task_in the_toml = Some ("omni_s1"%string, the_task).
 Proof. vm_cast_no_check (eq_refl (Some ("omni_s1"%string, the_task))). Qed.
 
-(* The header has this type of numbers, these values of the status, prototypes, and no more that the C could see. *)
+(* The header has this type of numbers, these values of the status, prototypes, and nothing else that the C could use. *)
 Lemma header_read : header_ok Single "omni_s1"%string 2 the_header = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
@@ -719,27 +719,28 @@ Definition the_program : source := Source (expected_directives Single the_consta
 Lemma text_read : option_map relevant_part (read_source (literal_suffix Single) "omni_s1"%string the_text) = Some the_program.
 Proof. vm_cast_no_check (eq_refl (Some the_program)). Qed.
 
-(* How Coq goes about P1 to P5, not believed: how often a segment may be halved, and normals for every unsafe set. *)
+(* How Coq searches for P1 to P5; nothing in it is believed. It has the number of times that a segment may be halved, and normals for every unsafe set. *)
 Definition the_search : search_plan := SearchPlan 20 [[]; []; []; []].
-(* P1 to P5 of the exact tube, with room for the error. *)
+(* The exact tube has P1 to P5, with room for the error. *)
 Lemma tube_checked : tube_check the_unit the_error the_search the_task the_table = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
+(* The edges are no faster than the_step_maxima says. *)
 Lemma slopes_checked : slopes_check the_error the_task the_table the_step_maxima = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 (* P7: the arithmetic moves no edge by more than the error. *)
 Lemma rounding_checked : rounding_check Single the_unit the_error the_task the_table the_step_maxima the_scale the_time_error = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
-(* The constants and the table of the text are these numbers, and of ordinary size. *)
+(* The constants and the table of the text are these numbers, of ordinary size. *)
 Lemma constants_checked : constants_check Single the_constants the_coefficients the_unit the_task the_table the_scale the_gains the_clamp_shares the_limits = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
-(* Its limits on u are there where the task has u_max, and no larger. *)
-Lemma limits_checked : match limits_in the_toml with Some most => limits_within the_limits most | None => false end = true.
+(* The text limits u just where the task has u_max, and to no more. *)
+Lemma limits_checked : match limits_in the_toml with Some u_max => limits_within the_limits u_max | None => false end = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
 Notation number := (binary_float (precision Single) (largest_exponent Single)).
 
-(* What `control` does: *)
+(* Theorem 1: `control` ends, and its inputs act as the law. *)
 Theorem controller : forall (log_ : number -> number), accurate (precision Single) (largest_exponent Single) log_ ->
   let A := machine (precision Single) (largest_exponent Single) (Edge.precision_pos_instance Single) (Edge.precision_below_instance Single) log_ in
   forall (t : number) (x : nat -> number),
@@ -761,18 +762,18 @@ Proof.
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
-(* and what its edges are: *)
+(* Theorem 2: the edges have P1 to P5. *)
 Definition tube := emitted_tube_sound Single the_unit the_error the_search the_task the_table the_step_maxima the_scale the_time_error tube_checked slopes_checked rounding_checked.
 
 
-(* What is said of samples, sensors and plant: an example, for the task has no period: period, latency, share, noise; then by component the most |f|, the least and the most g_ii, the most |g_ij|. *)
+(* The conditions on samples, sensors and plant: an example, for the task has no period: period, latency, share, noise; then by component bounds on |f|, on g_ii from below and above, and on |g_ij|. *)
 Definition the_conditions : conditions := (Conditions (1 # 1000) (0 # 1) (19 # 20) (1 # 1048576) [(1 # 20); (1 # 20)] [(1 # 1); (1 # 1)] [(1 # 1); (1 # 1)] [(0 # 1); (0 # 1)])%Q.
-(* Chosen, and checked: |e| stays at most (rho - 1)/(rho + 1); what a distance that the law sees is wrong by. *)
+(* Chosen, and checked: |e| stays at most (rho - 1)/(rho + 1); bounds on the error of a distance that the law measures. *)
 Definition the_rhos : list Q := [(39 # 1); (39 # 1)]%Q.
 Definition the_shifts : list Q := [(149 # 16777216); (149 # 16777216)]%Q.
-(* What `period_check` decides on, made of all of these. *)
+(* The sampled loop that `period_check` decides about. *)
 Definition the_sampling : sampling := sampling_of 2 the_conditions (law_loss Single the_constants) the_gains the_clamp_shares the_limits the_rhos the_shifts.
-(* By window and component a bound on |u| and one on the logarithm in it: they help Coq and are not believed. *)
+(* By window and component a bound on |u| and one on the logarithm in it; they are checked. *)
 Definition the_hints : list (list (Q * Q)) := [
   [((1294644935 # 8388608), (3842323 # 1048576)); ((642610395 # 4194304), (61477077 # 16777216))];
   [((1328746523 # 8388608), (30738749 # 8388608)); ((1309043197 # 8388608), (15369327 # 4194304))];
@@ -807,21 +808,22 @@ Definition the_hints : list (list (Q * Q)) := [
   [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
   [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
   [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))]]%Q.
+(* P9, window by window. *)
 Lemma period_checked : period_check the_unit the_task the_table the_sampling the_hints 1 the_error = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
-(* What a measured state is wrong by is counted. *)
+(* These bounds include the error of a measured state. *)
 Lemma sensors_checked : at_most_all (sensor_error Single the_task the_conditions + the_error) (map component_distance_error (components the_sampling)) = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
-(* The closed loop. Input p is what `control` stores, run on the text's program at clock p with the state measured at the time `taken p`; it acts from `switch p`
-   to `switch (p + 1)`. *)
+(* Theorem 3: the closed loop. Input p is what `control` of the text stores, called at clock p with the state measured at time `sampled_at p`. It acts from
+   `acts_from p` to `acts_from (p + 1)`. *)
 Theorem closed_loop_example : forall (log_ : number -> number), accurate (precision Single) (largest_exponent Single) log_ ->
   forall (sampled_at acts_from : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R) (clock : nat -> number) (measured : nat -> nat -> number) (program : source),
   option_map relevant_part (read_source (literal_suffix Single) "omni_s1"%string the_text) = Some program ->
   let L i t := Tube.lower the_unit the_task the_table i t in
   let U i t := Tube.upper the_unit the_task the_table i t in
   let input p i := applied_input Single log_ the_constants program (clock p) (measured p) i in
-  (* times: the first input acts from 0 on; no acting sample is older than period + latency, none begins to act later than the latency *)
+  (* times: the first input acts from 0 on; no sample is older than period + latency while its input acts, and an input acts at most the latency after its sample *)
   (acts_from 0%nat = 0 /\ forall p, 0 <= sampled_at p <= acts_from p /\ acts_from p < acts_from (S p) /\
     acts_from (S p) - sampled_at p <= Q2R (sampling_period the_conditions) + Q2R (input_delay the_conditions) /\ acts_from p - sampled_at p <= Q2R (input_delay the_conditions)) ->
   (forall p, is_finite (clock p) = true /\ clock_shows Single (B2R (clock p)) (sampled_at p)) ->
