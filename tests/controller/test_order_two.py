@@ -280,6 +280,7 @@ def test_u_is_finite_for_every_bit_pattern(bits: tuple[int, ...]) -> None:
 
 @cache
 def compiled_controller() -> CompiledC:
+    """Return the plain case's controller in compiled C."""
     return CompiledC(controller_of_case("plain"))
 
 

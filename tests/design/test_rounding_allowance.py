@@ -95,11 +95,13 @@ def searches_run_once() -> Iterator[None]:
 
 @cache
 def task_of(kind: str) -> Task:
+    """Return the task of this name in `KINDS`."""
     return parse_task(KINDS[kind])
 
 
 @cache
 def built(kind: str) -> api.Controller:
+    """Return the controller of a task of `KINDS`, as a script gets it."""
     return api.build(task_of(kind))
 
 

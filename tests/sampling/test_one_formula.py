@@ -341,6 +341,7 @@ def certificate_agrees() -> bool:
 
 @functools.cache
 def loops_to_search() -> list[tuple[SampledLoop, SampledLoop]]:
+    """Return random loops of every kind, each in fractions and in doubles."""
     draw = random.Random(6)
     loops = [exact_loop(draw, kind) for kind in KINDS * 4]
     return [(loop, in_doubles(loop)) for loop in loops]

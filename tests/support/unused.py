@@ -28,10 +28,12 @@ ALL = "*"  # stands for all fields of a class
 
 
 def is_dunder(name: str) -> bool:
+    """Return whether a name is special to Python, like __init__."""
     return name.startswith("__") and name.endswith("__")
 
 
 def first_argument(node: ast.AST) -> str | None:
+    """Return the name of a function's first parameter, which is `self` in a method; None without one."""
     return node.args.args[0].arg if isinstance(node, ast.FunctionDef) and node.args.args else None
 
 
@@ -291,6 +293,7 @@ class UseCensus:
         ]
 
     def unused_names(self) -> list[tuple[Module, str]]:
+        """Return the functions, classes and constants of modules that nothing reads or imports, with their modules."""
         names = ((m, name) for m in self.modules.values() for name in m.definitions if name not in self.names_of_modules)
         return [(m, name) for m, name in names if f"{m.name}.{name}" not in self.used and not is_dunder(name)]
 
