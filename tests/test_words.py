@@ -179,6 +179,81 @@ def problems(function: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[str]:
             yield f"returns a tuple of {len(parts)}: make it a NamedTuple or a dataclass"
 
 
+def identifiers(pattern: str) -> list[str]:
+    """Return the names in a list of parameters or a destructuring pattern, without default values and expressions."""
+    return re.findall(r"(?<![\w.\"'])[A-Za-z_]\w*", re.sub(r"=[^,\])}]*", "", pattern))
+
+
+# Where JavaScript names something: group 1, where there is one, is the name of a function, the last group a pattern of names.
+JAVASCRIPT_NAMES = (
+    r"\bfunction\s*(\w*)\s*\(([^)]*)\)",
+    r"\b(?:const|let|var)\s+([\w$]+|[\[{][^;\n]*?[\]}])(?=\s*[=;,]|\s+of\b|\s+in\b)",
+    r"(?:\blet\b|\bconst\b)[^;\n]*?,\s*(\w+)(?=\s*=[^=>])",
+    r"\(([^()]*(?:\([^()]*\))?[^()]*)\)\s*=>",
+    r"(?<![\w.)])(\w+)\s*=>",
+    r"^\s*(?!if\b|for\b|while\b|switch\b|catch\b)(\w+)\(([^)]*)\)\s*\{$",
+)
+JINJA_NAMES = (
+    r"\{%-?\s*set\s+([\w, ]+?)\s*(?:=|-?%\})",
+    r"\{%-?\s*for\s+([\w, ()]+?)\s+in\b",
+    r"\{%-?\s*macro\s+(\w+)\((.*?)\)\s*-?%\}",
+)
+
+
+def names_by_pattern(text: str, patterns: tuple[str, ...]) -> Iterator[tuple[int, str]]:
+    """Yield line and name of everything that a pattern finds in JavaScript or a template, comments aside."""
+    plain = re.sub(r"/\*.*?\*/|\{#.*?#\}|(?<![:\"'])//[^\n]*", lambda comment: "\n" * comment[0].count("\n"), text, flags=re.S)
+    for pattern in patterns:
+        for hit in re.finditer(pattern, plain, re.M):
+            line = plain.count("\n", 0, hit.start()) + 1
+            yield from ((line, name) for group in hit.groups() for name in identifiers(group or ""))
+
+
+def template_files() -> dict[str, tuple[str, tuple[str, ...]]]:
+    """Text and patterns by path, of every template and of the page's scripts."""
+    paths = [path for folder in ("templates", "stt_codegen") for path in sorted((ROOT / folder).rglob("*.j2"))]
+    files = {str(path.relative_to(ROOT)): (path.read_text(), JINJA_NAMES) for path in paths}
+    scripts = sorted((ROOT / "templates" / "report").glob("*.js"))
+    return files | {str(path.relative_to(ROOT)): (path.read_text(), JAVASCRIPT_NAMES) for path in scripts}
+
+
+def test_names_in_templates_say_what_a_value_is() -> None:
+    bad = [
+        f"{path}:{line}: {name}"
+        for path, (text, patterns) in template_files().items()
+        for line, name in names_by_pattern(text, patterns)
+        if is_banned(name)
+    ]
+    assert bad == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "function told() { return 0; }",
+        "const found = 1;",
+        "let [low, most] = ends;",
+        "const { made, edge = 1 } = rows[0];",
+        "let left = 48, whole = 2;",
+        "for (const one of rows) draw(one);",
+        "rows.map((row, least = 3) => row);",
+        "rows.map(([given, [low]]) => low);",
+        "rows.map(here => 1);",
+        "  shape(list, asked) {",
+        "{% set x, told = 1, 2 %}",
+        "{% for one in rows %}",
+        "{% for name, (low, made) in rows %}",
+        "{%- macro lines(found, indent=2) -%}",
+    ],
+)
+def test_the_law_of_templates_finds_a_banned_name(text: str) -> None:
+    patterns = JINJA_NAMES if text.startswith("{%") else JAVASCRIPT_NAMES
+    assert len({name for _, name in names_by_pattern(text, patterns) if is_banned(name)}) == 1
+    assert not [
+        name for _, name in names_by_pattern(f"/* {text} */" if patterns is JAVASCRIPT_NAMES else f"{{# {text} #}}", patterns)
+    ]
+
+
 def test_names_say_what_a_value_is() -> None:
     bad = [
         f"{path}:{line}: {name}"

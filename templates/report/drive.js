@@ -1,248 +1,253 @@
-const MOST_EVENTS = 100;
+const EVENT_LIMIT = 100; // entries of the log
 
-/* The emitted C in a loop with a plant, both WebAssembly: samples, an input that is held, a wind, a hand. */
-function loopOf(setting) {
+/* Create a simulation of the emitted C in closed loop with a plant, both in WebAssembly.
+
+   setting: see drive_settings in report/page/drive.py. The methods take `conditions`: sampling period, latency, noise, and the
+   wind with its kind, angle and plane. Events go to `log`, states to `trace`. */
+function createLoop(setting) {
   const bytes = Uint8Array.from(atob(setting.wasm), (c) => c.charCodeAt(0));
-  const module = new WebAssembly.Module(bytes);
-  /* What the C calls of a C library, in double; the result is rounded to what the C says it is. */
-  const NAMES = { fabs: "abs", fmin: "min", fmax: "max" };
+  const wasmModule = new WebAssembly.Module(bytes);
+  /* The C library is that of the browser, in double; WebAssembly rounds results to float where the C declares it. */
+  const MATH_NAMES = { fabs: "abs", fmin: "min", fmax: "max" };
   const env = {};
-  for (const { name } of WebAssembly.Module.imports(module)) {
-    const plain = name in Math || name in NAMES ? name : name.replace(/f$/, "");
-    env[name] = Math[NAMES[plain] || plain];
+  for (const { name } of WebAssembly.Module.imports(wasmModule)) {
+    const plain = name in Math || name in MATH_NAMES ? name : name.replace(/f$/, "");
+    env[name] = Math[MATH_NAMES[plain] || plain];
   }
-  const own = new WebAssembly.Instance(module, { env }).exports;
-  const n = count, states = setting.order * n;
-  const address = own.report_room_address();
+  const wasm = new WebAssembly.Instance(wasmModule, { env }).exports;
+  const n = dimension, states = setting.order * n;
+  const address = wasm.report_buffer_address();
+  /* Offsets in report_buffer: state, input, f, g, constants, sample. */
   const [X, U, F, G, P, S] = [0, 2 * n, 3 * n, 4 * n, 4 * n + n * n, 4 * n + n * n + setting.constants.length];
-  let view = new Float64Array(own.memory.buffer, address, S + n);
-  const room = () => (view.length ? view : (view = new Float64Array(own.memory.buffer, address, S + n))); // memory that grows lets go of it
-  const where = (k) => address + 8 * k;
+  let doubles = new Float64Array(wasm.memory.buffer, address, S + n);
+  const memory = () => (doubles.length ? doubles : (doubles = new Float64Array(wasm.memory.buffer, address, S + n))); // memory that grows detaches the array
+  const addressOf = (k) => address + 8 * k;
 
-  const loop = { t: 0, x: [], v: null, u: [], w: [], status: 0, margin: 0, lag: 0, trace: [], log: [], hand: null, broken: "", proved: false };
-  let before = 0; // seconds of t that alpha has got to
-  let late = []; // inputs on their way: when they act, what they are, whether their samples are as the proof has them
-  let acting = false; // the same of what acts
-  let clean = 0; // samples in a row, up to now, that nothing was wrong with
-  let arrived = false; // whether t_c is past, and said
+  const loop = { t: 0, x: [], v: null, u: [], w: [], status: 0, margin: 0, lag: 0, trace: [], log: [], hand: null, unprovedReason: "", proved: false };
+  let alphaTime = 0; // the time up to which alpha has been stepped
+  let pendingInputs = []; // delayed inputs: [time of arrival, u, sample, whether the proof covers it]
+  let isProvedInput = false; // whether the proof covers the input that acts now
+  let faultlessSamples = 0; // the latest samples in a row without a fault
+  let hasArrived = false; // whether the arrival has been reported
   let sample = [];
-  let was = 0; // the status at the sample before
-  let latest = 0; // the period of the last step
+  let previousStatus = 0; // of the sample before
+  let lastPeriod = 0; // of the last step
   let seed = 1;
   const random = () => { seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0; return seed / 2 ** 31 - 1; };
 
-  /* The tube's time for a time since the start: turned back where the tube repeats itself, behind where it waits. */
+  /* The time of the tube: less than t by what it has waited, and within one cycle where it repeats. */
   loop.tubeTime = () => {
     const t = loop.t - loop.lag;
     if (!data.cycle || t < data.t_c) return Math.min(t, data.t_c);
-    const long = data.cycle[1] - data.cycle[0];
-    return data.cycle[0] + ((t - data.cycle[0]) % long);
+    const cycleLength = data.cycle[1] - data.cycle[0];
+    return data.cycle[0] + ((t - data.cycle[0]) % cycleLength);
   };
   loop.control = (t, x) => {
-    room().set(x, X);
-    const status = own.loop_own_step(t, where(X), where(U));
-    return [status, [...room().subarray(U, U + n)]];
+    memory().set(x, X);
+    const status = wasm.loop_own_step(t, addressOf(X), addressOf(U));
+    return [status, [...memory().subarray(U, U + n)]];
   };
-  loop.tube = (t) => { own.loop_own_tube(t, where(X), where(G)); return [[...room().subarray(X, X + states)], [...room().subarray(G, G + states)]]; };
-  loop.marginAt = (t, x) => { room().set(x, X); return own.loop_own_margin(t, where(X)); };
+  loop.tube = (t) => { wasm.loop_own_tube(t, addressOf(X), addressOf(G)); return [[...memory().subarray(X, X + states)], [...memory().subarray(G, G + states)]]; };
+  loop.marginAt = (t, x) => { memory().set(x, X); return wasm.loop_own_margin(t, addressOf(X)); };
 
-  function plant(x) {
-    const all = room();
-    all.set(x, X);
-    all.set(setting.constants, P);
-    all.set(sample, S);
-    own.loop_plant(where(X), where(P), where(S), where(F), where(G));
-    const now = room();
-    return Array.from({ length: n }, (_, i) => loop.u.reduce((sum, u, k) => sum + now[G + i * n + k] * u, now[F + i] + loop.w[i]));
+  function plantDerivative(x) {
+    const memoryDoubles = memory();
+    memoryDoubles.set(x, X);
+    memoryDoubles.set(setting.constants, P);
+    memoryDoubles.set(sample, S);
+    wasm.loop_plant(addressOf(X), addressOf(P), addressOf(S), addressOf(F), addressOf(G));
+    const results = memory();
+    return Array.from({ length: n }, (_, i) => loop.u.reduce((sum, u, k) => sum + results[G + i * n + k] * u, results[F + i] + loop.w[i]));
   }
-  const rate = setting.order === 1 ? plant : (z) => [...z.slice(n), ...plant(z)];
+  const stateDerivative = setting.order === 1 ? plantDerivative : (z) => [...z.slice(n), ...plantDerivative(z)];
 
   function integrate(z, h) {
     const add = (k, s) => z.map((v, i) => v + s * k[i]);
-    const k1 = rate(z), k2 = rate(add(k1, h / 2)), k3 = rate(add(k2, h / 2)), k4 = rate(add(k3, h));
+    const k1 = stateDerivative(z), k2 = stateDerivative(add(k1, h / 2)), k3 = stateDerivative(add(k2, h / 2)), k4 = stateDerivative(add(k3, h));
     return z.map((v, i) => v + (h / 6) * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]));
   }
 
   const state = () => (setting.order === 2 ? [...loop.x, ...loop.v] : loop.x);
-  function place(z) {
+  function setState(z) {
     loop.x = z.slice(0, n);
     loop.v = setting.order === 2 ? z.slice(n) : null;
   }
   function advanceAlpha(t) {
-    if (!setting.adaptive || t <= before) return;
-    own.loop_own_advance(before, t - before);
-    before = t;
+    if (!setting.adaptive || t <= alphaTime) return;
+    wasm.loop_own_advance(alphaTime, t - alphaTime);
+    alphaTime = t;
   }
 
-  /* Begin at t with the state in the middle of the tube there, at t = 0 with that of the task; of order 2 at the tube's pace. */
+  /* Begin at time t in the middle of the tube, at t = 0 in the initial state. Of order 2 the speed follows the tube. */
   loop.begin = (t) => {
-    if (own.loop_own_start) own.loop_own_start();
-    before = 0;
-    [loop.t, loop.lag, loop.trace, loop.log, late, loop.u, loop.w] = [t, 0, [], [], [], new Array(n).fill(0), new Array(n).fill(0)];
-    [loop.broken, loop.lost, loop.hand, seed] = ["", false, null, 1];
+    if (wasm.loop_own_start) wasm.loop_own_start();
+    alphaTime = 0;
+    [loop.t, loop.lag, loop.trace, loop.log, pendingInputs, loop.u, loop.w] = [t, 0, [], [], [], new Array(n).fill(0), new Array(n).fill(0)];
+    [loop.unprovedReason, loop.lost, loop.hand, seed] = ["", false, null, 1];
     advanceAlpha(t);
     const [low, high] = loop.tube(t);
-    loop.x = t > 0 ? middle(low.slice(0, n), high.slice(0, n)) : [...setting.x];
+    loop.x = t > 0 ? midpoint(low.slice(0, n), high.slice(0, n)) : [...setting.x];
     loop.v = null;
     if (setting.order === 2) loop.v = t > 0 ? data.filtered.lambda.map((l, i) => (low[n + i] + high[n + i]) / 2 - l * loop.x[i]) : new Array(n).fill(0);
     sample = [...loop.x];
     if (setting.differs && t > 0) loop.control(t - setting.period, loop.x.map((v, i) => v - setting.period * loop.v[i]).concat(loop.v));
     const known = setting.proved;
-    const calm = { period: known ? known.period : setting.period, latency: 0, noise: 0, wind: 0 }; // no sample was yet, so none is too rare
-    observe(calm, true);
-    loop.broken = fault(calm, 0) || (loop.status === 0 && amongStarts() ? "" : "not one of the starts");
-    loop.proved = acting = !loop.broken;
-    [clean, arrived] = [loop.proved ? 2 : 0, false];
-    seen.clear();
-    was = 0;
-    note();
+    const calmConditions = { period: known ? known.period : setting.period, latency: 0, noise: 0, wind: 0 }; // before the first sample no condition can be violated
+    takeSample(calmConditions, true);
+    loop.unprovedReason = faultOf(calmConditions, 0) || (loop.status === 0 && isAmongStarts() ? "" : "not one of the starts");
+    loop.proved = isProvedInput = !loop.unprovedReason;
+    [faultlessSamples, hasArrived] = [loop.proved ? 2 : 0, false];
+    lastReported.clear();
+    previousStatus = 0;
+    recordSample();
   };
 
-  function wind(given) {
-    const size = given.wind;
+  function windUnder(conditions) {
+    const size = conditions.wind;
     if (!size) return new Array(n).fill(0);
-    if (given.kind === "outward") {
+    if (conditions.kind === "outward") {
       const [low, high] = loop.tube(loop.t);
-      const at = (k) => (setting.order === 2 ? loop.v[k] + data.filtered.lambda[k] * loop.x[k] : loop.x[k]);
+      const tubeCoordinate = (k) => (setting.order === 2 ? loop.v[k] + data.filtered.lambda[k] * loop.x[k] : loop.x[k]);
       const first = setting.order === 2 ? n : 0;
-      const share = loop.x.map((_, k) => (2 * at(k) - low[first + k] - high[first + k]) / (high[first + k] - low[first + k]));
+      const share = loop.x.map((_, k) => (2 * tubeCoordinate(k) - low[first + k] - high[first + k]) / (high[first + k] - low[first + k]));
       const worst = share.reduce((m, v, k) => (Math.abs(v) > Math.abs(share[m]) ? k : m), 0);
       return share.map((v, k) => (k === worst ? Math.sign(v || 1) * size : 0));
     }
-    if (given.kind === "random") {
+    if (conditions.kind === "random") {
       const w = loop.x.map(random);
       return w.map((v) => (v * size) / (Math.hypot(...w) || 1));
     }
-    const [i, j] = given.plane;
-    if (n === 1) return [Math.sign(Math.cos(given.angle) || 1) * size];
-    return loop.x.map((_, k) => (k === i ? size * Math.cos(given.angle) : k === j ? size * Math.sin(given.angle) : 0));
+    const [i, j] = conditions.plane;
+    if (n === 1) return [Math.sign(Math.cos(conditions.angle) || 1) * size];
+    return loop.x.map((_, k) => (k === i ? size * Math.cos(conditions.angle) : k === j ? size * Math.sin(conditions.angle) : 0));
   }
 
-  /* A sample: measure, ask the C for u, let it act at once or late. */
-  function observe(given, first) {
+  /* Take a sample: measure, compute u with the C, and let it act now or after the latency. */
+  function takeSample(conditions, first) {
     advanceAlpha(loop.t);
-    const measured = state().map((v, k) => v + given.noise * (k < n ? 1 : setting.noise_v) * random());
+    const measured = state().map((v, k) => v + conditions.noise * (k < n ? 1 : setting.noise_v) * random());
     const [status, u] = loop.control(loop.t, measured);
-    if (own.loop_own_lag) loop.lag = own.loop_own_lag();
+    if (wasm.loop_own_lag) loop.lag = wasm.loop_own_lag();
     loop.status = status;
     loop.margin = loop.marginAt(loop.t, state());
-    const good = first || fault(given, status) === "";
-    if (first || !given.latency) { loop.u = u; sample = measured.slice(0, n); late = []; acting = good; }
+    const isFaultless = first || faultOf(conditions, status) === "";
+    if (first || !conditions.latency) { loop.u = u; sample = measured.slice(0, n); pendingInputs = []; isProvedInput = isFaultless; }
     else {
-      const arrival = loop.t + given.latency;
-      late = late.filter(([when]) => when <= arrival); // what would come after a newer one is dropped
-      late.push([arrival, u, measured.slice(0, n), good]);
+      const arrival = loop.t + conditions.latency;
+      pendingInputs = pendingInputs.filter(([when]) => when <= arrival); // an input that would arrive after a newer one is dropped
+      pendingInputs.push([arrival, u, measured.slice(0, n), isFaultless]);
     }
-    if (!first) judge(given, good);
+    if (!first) updateProof(conditions, isFaultless);
   }
 
-  /* Which settings are beyond what is proved, by name and in words; more: what a slider rounds to. */
-  loop.beyond = (given) => {
-    const known = setting.proved, more = 1 + 1e-9;
+  /* Return the conditions that exceed what is proved, by name of the slider, with a reason. */
+  loop.beyond = (conditions) => {
+    const known = setting.proved, tolerance = 1 + 1e-9; // for the rounding of a slider
     if (!known) return { rate: "samples", wind: "wind", latency: "delay", noise: "noise" };
-    const found = {};
-    if (given.period > known.period * more) found.rate = "samples too rare";
-    if (given.period < known.shortest / more) found.rate = "samples too dense";
-    if (given.latency > known.latency * more) found.latency = "delay";
-    if (given.noise > known.noise * more) found.noise = "noise";
-    if (given.wind > known.w * more) found.wind = "wind";
-    return found;
+    const reasons = {};
+    if (conditions.period > known.period * tolerance) reasons.rate = "samples too rare";
+    if (conditions.period < known.shortest / tolerance) reasons.rate = "samples too dense";
+    if (conditions.latency > known.latency * tolerance) reasons.latency = "delay";
+    if (conditions.noise > known.noise * tolerance) reasons.noise = "noise";
+    if (conditions.wind > known.w * tolerance) reasons.wind = "wind";
+    return reasons;
   };
 
-  /* Why a sample is not one that what is proved speaks of; nothing where it is. */
-  function fault(given, status) {
+  /* Return why the proof does not cover a sample; empty where it does. */
+  function faultOf(conditions, status) {
     if (!setting.proved) return "no sampling period is proved for this gain";
-    const reasons = Object.values(loop.beyond(given));
+    const reasons = Object.values(loop.beyond(conditions));
     if (setting.adaptive) reasons.push("the steps of alpha");
     if (loop.hand) reasons.push("a hand");
     if (status !== 0) reasons.push("outside the tube");
     return reasons.join(", ");
   }
 
-  /* Once something was wrong, it is proved again from a sample on that is one of the starts, where what acts and what is on its
-     way is of such samples too; v by differences is of two samples, so the one before must have been right as well. */
-  function judge(given, good) {
-    const why = fault(given, loop.status);
-    clean = why ? 0 : clean + 1;
-    if (why) suspect(why);
-    else if (loop.broken && clean >= (setting.differs ? 2 : 1) && good && acting && late.every((one) => one[3]) && amongStarts()) loop.broken = "";
-    loop.proved = !loop.broken;
+  /* After a fault the proof holds again from a sample that is one of the starts, if it covers the acting and the delayed inputs.
+     A velocity by differences comes from two samples, so the one before has to be faultless too. */
+  function updateProof(conditions, isFaultless) {
+    const reason = faultOf(conditions, loop.status);
+    faultlessSamples = reason ? 0 : faultlessSamples + 1;
+    if (reason) discardProof(reason);
+    else if (loop.unprovedReason && faultlessSamples >= (setting.differs ? 2 : 1) && isFaultless && isProvedInput && pendingInputs.every(([, , , isCovered]) => isCovered) && isAmongStarts()) loop.unprovedReason = "";
+    loop.proved = !loop.unprovedReason;
   }
-  /* From here on something is not as the proof has it: neither are the inputs that act or are on their way. */
-  function suspect(why) {
-    [loop.broken, loop.proved, acting, clean] = [why, false, false, 0];
-    late = late.map(([when, u, of]) => [when, u, of, false]);
+  /* The proof does not hold from now on; it covers neither the acting nor the delayed inputs. */
+  function discardProof(reason) {
+    [loop.unprovedReason, loop.proved, isProvedInput, faultlessSamples] = [reason, false, false, 0];
+    pendingInputs = pendingInputs.map(([arrival, u, measured]) => [arrival, u, measured, false]);
   }
 
-  /* At t = 0 the starts are those at rest (order 2: within the speeds that the task allows), whatever v + lambda x is. */
-  function amongStarts() {
+  /* Return whether the state is within the start share of the tube. At t = 0, of order 2, the speed is that of the task. */
+  function isAmongStarts() {
     const [low, high] = loop.tube(loop.t);
     const z = setting.order === 2 && loop.t > 0 ? loop.x.concat(loop.v.map((v, i) => v + data.filtered.lambda[i] * loop.x[i])) : loop.x;
     return z.every((v, i) => Math.abs(2 * v - low[i] - high[i]) <= setting.proved.share * (high[i] - low[i]));
   }
 
-  /* What happens, told when it begins; what comes and goes is told once. */
-  const seen = new Map();
-  function tell(now, text) {
-    if (!now) return;
-    const before = seen.get(text);
-    seen.set(text, loop.t);
-    if ((before === undefined || loop.t - before > data.t_c / 20) && loop.log.length < MOST_EVENTS) loop.log.push([loop.t, text]);
+  /* Log an event when it begins; one that comes and goes quickly is logged once. */
+  const lastReported = new Map();
+  function report(happens, text) {
+    if (!happens) return;
+    const previous = lastReported.get(text);
+    lastReported.set(text, loop.t);
+    if ((previous === undefined || loop.t - previous > data.t_c / 20) && loop.log.length < EVENT_LIMIT) loop.log.push([loop.t, text]);
   }
-  function note() {
+  function recordSample() {
     const t = loop.tubeTime();
-    tell(loop.status === 1, "outside the tube");
-    tell(was === 1 && loop.status === 0, "inside the tube again");
-    was = loop.status;
-    for (const set of data.sets) if (inside(set, loop.x, t)) tell(true, `${set.exact ? "in" : "may be in"} unsafe set ${set.name}`);
-    tell(!within(data.room, loop.x), "out of the state space");
-    arrive();
+    report(loop.status === 1, "outside the tube");
+    report(previousStatus === 1 && loop.status === 0, "inside the tube again");
+    previousStatus = loop.status;
+    for (const set of data.sets) if (isInSet(set, loop.x, t)) report(true, `${set.exact ? "in" : "may be in"} unsafe set ${set.name}`);
+    report(!isWithin(data.room, loop.x), "out of the state space");
+    reportArrival();
     const last = loop.trace[loop.trace.length - 1];
     if (last && t < last.t) loop.trace = [];
     if (!last || t - last.t >= data.t_c / 1500) loop.trace.push({ t, x: [...loop.x], v: loop.v && [...loop.v], u: [...loop.u], margin: loop.margin });
   }
 
-  /* What is said when the tube's time is t_c, and of who comes later; of a target that moves nothing is said then. */
-  function arrive() {
-    if (!data.target || data.cycle || arrived || loop.t < data.t_c) return;
-    const there = within(data.target.faces, loop.x) && !loop.hand;
+  /* Log the arrival in the target, or that it is late at t_c. A target that moves is left out after t_c. */
+  function reportArrival() {
+    if (!data.target || data.cycle || hasArrived || loop.t < data.t_c) return;
+    const isInTarget = isWithin(data.target.faces, loop.x) && !loop.hand;
     const delay = loop.t - data.t_c;
-    const onTime = delay < latest;
-    if (there) loop.log.push([loop.t, onTime ? "in the target, in time" : `in the target, ${short(delay)} s late`]);
+    const onTime = delay < lastPeriod;
+    if (isInTarget) loop.log.push([loop.t, onTime ? "in the target, in time" : `in the target, ${formatNumber(delay)} s late`]);
     else if (onTime) loop.log.push([loop.t, "not in the target at the prescribed time"]);
-    arrived = there || Boolean(data.target.knots);
+    hasArrived = isInTarget || Boolean(data.target.knots);
   }
 
-  /* One period: wind and plant under what acts, then the next sample. */
-  loop.step = (given) => {
-    loop.w = wind(given);
-    const still = [...state()];
-    const parts = Math.max(4, Math.min(40, Math.ceil((given.period / data.t_c) * 4000)));
-    const begin = loop.t, h = given.period / parts;
-    latest = given.period;
-    const end = begin + given.period;
+  /* Simulate one sampling period and take the next sample. */
+  loop.step = (conditions) => {
+    loop.w = windUnder(conditions);
+    const stateBefore = [...state()];
+    const substeps = Math.max(4, Math.min(40, Math.ceil((conditions.period / data.t_c) * 4000)));
+    const begin = loop.t, h = conditions.period / substeps;
+    lastPeriod = conditions.period;
+    const end = begin + conditions.period;
     for (let t = begin, k = 1; t < end; ) {
-      while (late.length && late[0][0] <= t) [, loop.u, sample, acting] = late.shift();
-      let next = k < parts ? begin + k * h : end;
-      if (late.length && late[0][0] < next) next = late[0][0]; // what is late acts when it is there
+      while (pendingInputs.length && pendingInputs[0][0] <= t) [, loop.u, sample, isProvedInput] = pendingInputs.shift();
+      let next = k < substeps ? begin + k * h : end;
+      if (pendingInputs.length && pendingInputs[0][0] < next) next = pendingInputs[0][0]; // a delayed input acts between two steps
       else k++;
-      if (!loop.hand) place(integrate(state(), next - t));
+      if (!loop.hand) setState(integrate(state(), next - t));
       t = next;
     }
     if (!state().every(Number.isFinite)) {
-      place(still);
+      setState(stateBefore);
       loop.lost = true;
       loop.log.push([loop.t, "the state grows beyond numbers: the loop stops"]);
       return;
     }
     if (loop.hand) for (const [i, value] of loop.hand) { loop.x[i] = value; if (loop.v) loop.v[i] = 0; }
-    loop.t = begin + given.period;
-    observe(given, false);
-    note();
+    loop.t = begin + conditions.period;
+    takeSample(conditions, false);
+    recordSample();
   };
-  loop.hold = (where) => { loop.hand = where; touched(); for (const [i, value] of where) loop.x[i] = value; };
+  /* Hold the state at values of some dimensions, as [dimension, value] pairs. */
+  loop.hold = (coordinates) => { loop.hand = coordinates; recordTouch(); for (const [i, value] of coordinates) loop.x[i] = value; };
   loop.release = () => { loop.hand = null; };
-  loop.shove = (i, by) => { loop.x[i] += by; touched(); };
-  const touched = () => suspect("a hand");
+  loop.shove = (i, by) => { loop.x[i] += by; recordTouch(); };
+  const recordTouch = () => discardProof("a hand");
   return loop;
 }

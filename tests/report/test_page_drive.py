@@ -67,7 +67,7 @@ def points_of(controller: pipeline.EmittedController, count: int = 2000) -> list
 RUN_STEPS = """([wasm, points, numbers]) => {
   const bytes = Uint8Array.from(atob(wasm), (c) => c.charCodeAt(0));
   const driven = new WebAssembly.Instance(new WebAssembly.Module(bytes), {}).exports;
-  const address = driven.report_room_address(), outputs = [];
+  const address = driven.report_buffer_address(), outputs = [];
   for (const hex of points) {
     const state = new DataView(driven.memory.buffer, address);
     for (let k = 0; k < hex.length - 1; k++) state.setBigUint64(8 * k, BigInt('0x' + hex[k + 1]), true);
@@ -137,7 +137,7 @@ def test_without_clang_only_the_driven_section_is_missing(browser: Any, tmp_path
 
 
 class Scripts:
-    """The page's scripts with the data of a page, but without the page: `loopOf` and the functions of scene.js can be called."""
+    """The page's scripts with the data of a page, but without the page: `createLoop` and the functions of scene.js can be called."""
 
     def __init__(self, browser: Any, kind: str) -> None:
         folder = ROOT / "templates" / "report"
@@ -163,8 +163,8 @@ def test_the_outline_of_a_moving_set_covers_its_timing_uncertainty(browser: Any)
     task = controller_of_kind("moving").task
     times = [k * 10 / 37 for k in range(38)]
     with Scripts(browser, "moving") as scripts:
-        swept = scripts.run("return argument.map((t) => swept(data.sets[0], '0,1', [0, 1], t));", times)
-        stated = scripts.run("return argument.map((t) => displaced(data.sets[0].knots, t));", times)
+        swept = scripts.run("return argument.map((t) => possibleOutline(data.sets[0], '0,1', [0, 1], t));", times)
+        stated = scripts.run("return argument.map((t) => displacementAt(data.sets[0].knots, t));", times)
     course = task.courses[0]
     assert course is not None
     for t, drawn, displacement in zip(times, swept, stated, strict=True):
@@ -183,7 +183,7 @@ def test_the_page_decides_collisions_as_the_exact_sets_do(browser: Any) -> None:
     chance = np.random.default_rng(5)
     points = [[float(t), float(x), float(y)] for t, x, y in chance.uniform([0, 0, 0], [10, 10, 6], (400, 3))]
     with Scripts(browser, "moving") as scripts:
-        is_inside = scripts.run("return argument.map(([t, ...x]) => inside(data.sets[0], x, t));", points)
+        is_inside = scripts.run("return argument.map(([t, ...x]) => isInSet(data.sets[0], x, t));", points)
     course = task.courses[0]
     assert course is not None
     expected = []
@@ -206,7 +206,7 @@ def test_the_loop_of_the_page_agrees_with_simulate(kind: str, latency: float, br
     assert run.trace is not None
     options = {"period": 1 / rate, "latency": latency, "noise": 0, "wind": 0}
     with Scripts(browser, kind) as scripts:
-        drive = "const loop = loopOf(data.drive); loop.begin(0);"
+        drive = "const loop = createLoop(data.drive); loop.begin(0);"
         steps = "for (let k = 0; k < 1600; k++) { loop.step(argument); if (k % 100 === 99) samples.push([loop.t, ...loop.x]); }"
         samples = scripts.run(f"{drive} const samples = []; {steps} return samples;", options)
     n = controller.task.dimension
@@ -221,7 +221,7 @@ def test_alpha_does_not_depend_on_the_path_of_the_slider(browser: Any) -> None:
     errors of the browser's exp and log."""
     controller = controller_of_kind("adaptive")
     with Scripts(browser, "adaptive") as scripts:
-        body = """const loop = loopOf(data.drive);
+        body = """const loop = createLoop(data.drive);
         const at = (t) => { loop.begin(t); return [...loop.x, ...loop.u]; };
         const first = at(4.5); at(8); at(1); return [first, at(4.5)];"""
         first, repeated = scripts.run(body)
@@ -237,7 +237,7 @@ OPTIONS = {"period": 0.0005, "latency": 0.0, "noise": 0.0, "wind": 0.0, "kind": 
 def run_loop(browser: Any, kind: str, body: str) -> list[Any]:
     """Run a body of JavaScript on the loop of a page, and return its values; `many(k, how)` takes k steps with options."""
     with Scripts(browser, kind) as scripts:
-        start = "const loop = loopOf(data.drive); loop.begin(0); const many = (k, how) => { while (k--) loop.step(how); };"
+        start = "const loop = createLoop(data.drive); loop.begin(0); const many = (k, how) => { while (k--) loop.step(how); };"
         return list(scripts.run(f"{start} {body}", OPTIONS))
 
 
@@ -254,8 +254,8 @@ def test_after_a_shove_the_proof_holds_again_from_a_covered_start(browser: Any) 
 def test_the_reason_why_nothing_is_proved_is_there_before_the_first_frame(browser: Any, kind: str) -> None:
     """A reader sees the same reason before and after the first frame of the animation."""
     # A task may state a period that is longer than proved; samples at the proved one, if there is one, break no assumption.
-    body = """const first = loop.broken, period = data.drive.proved ? data.drive.proved.period : data.drive.period;
-    many(3, { ...argument, period }); return [first, loop.broken];"""
+    body = """const first = loop.unprovedReason, period = data.drive.proved ? data.drive.proved.period : data.drive.period;
+    many(3, { ...argument, period }); return [first, loop.unprovedReason];"""
     first, later = run_loop(browser, kind, body)
     assert first == later
     assert bool(first) == (kind in ("adaptive", "literal"))
@@ -263,7 +263,7 @@ def test_the_reason_why_nothing_is_proved_is_there_before_the_first_frame(browse
 
 def test_a_stopped_loop_is_no_longer_proved(browser: Any) -> None:
     body = """many(20, argument); loop.shove(0, 3); loop.step(argument); loop.shove(0, -3); many(20, argument);
-    return [loop.proved, loop.status, loop.broken];"""
+    return [loop.proved, loop.status, loop.unprovedReason];"""
     assert run_loop(browser, "stop", body) == [False, 1, "outside the tube"]
 
 
@@ -277,7 +277,7 @@ def test_with_a_proved_delay_the_proof_holds_again_some_samples_after_a_shove(br
 
 def test_every_assumption_is_named_when_it_is_broken(browser: Any) -> None:
     body = """const reasons = []; for (const [name, value] of [["period", 1], ["latency", 1], ["noise", 1], ["wind", 100]]) {
-    loop.begin(0); loop.step({ ...argument, [name]: value }); reasons.push(loop.broken.split(", ")[0]); } return reasons;"""
+    loop.begin(0); loop.step({ ...argument, [name]: value }); reasons.push(loop.unprovedReason.split(", ")[0]); } return reasons;"""
     assert run_loop(browser, "plain", body) == ["samples too rare", "delay", "noise", "wind"]
 
 
@@ -302,7 +302,7 @@ def test_the_wind_has_the_stated_size_and_direction(browser: Any) -> None:
 def test_the_band_of_v_is_the_range_that_both_tubes_allow(browser: Any) -> None:
     """With x and v + lambda x at edges of their tubes, v is within the band, and the extreme values are its edges."""
     with Scripts(browser, "three dimensions, order 2") as scripts:
-        speeds = scripts.run("return stripsOf()[1].map((one) => [one.low, one.high, one.i]);")
+        speeds = scripts.run("return stripGroups()[1].map((one) => [one.low, one.high, one.i]);")
     data = data_block(report_html("three dimensions, order 2"))
     x = [np.array(data[name]) for name in ("low", "high")]
     z = [np.array(data["filtered"][name]) for name in ("low", "high")]
@@ -363,7 +363,7 @@ def test_a_drag_by_hand_and_a_strong_wind_are_reported_as_not_proved(open_page: 
         page_ = opened_page.page
         page_.click("#drive-on")
         page_.click("#play")
-        box = page_.locator(".grip").bounding_box()
+        box = page_.locator(".handle").bounding_box()
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         page_.mouse.move(x, y)
         page_.mouse.down()
@@ -385,10 +385,10 @@ def test_the_literal_design_can_be_driven_into_an_unsafe_set(open_page: Any) -> 
         assert sure
         opened_page.page.click("#drive-on")
         assert "no sampling period is proved" in opened_page.page.inner_text("#drive-state")
-        opened_page.page.locator("button.go").first.click()
+        opened_page.page.locator("button.go-to-time").first.click()
         assert opened_page.page.inner_text("#now") == f"{(begin + end) / 2:.2f} s"
         for key in ("ArrowRight", "ArrowUp", "ArrowLeft", "ArrowDown"):
             for _ in range(8):
-                opened_page.page.focus(".grip")
+                opened_page.page.focus(".handle")
                 opened_page.page.keyboard.press(key)
         assert f"in unsafe set {name}" in opened_page.page.inner_text("#drive-log")

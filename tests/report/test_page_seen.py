@@ -97,7 +97,7 @@ def test_every_control_can_be_reached_and_used_by_keyboard(open_page: Any) -> No
         page_.focus("#drive-step")
         page_.keyboard.press("Enter")
         before = page_.inner_text("#drive-u")
-        page_.focus(".grip")
+        page_.focus(".handle")
         page_.keyboard.press("ArrowRight")
         assert page_.inner_text("#drive-u") != before
 
@@ -110,7 +110,7 @@ def test_a_row_of_the_certificate_leads_to_its_time(open_page: Any) -> None:
         assert rows.count() == len(controller.certificate.findings)
         for k, finding in enumerate(controller.certificate.findings):
             if finding.time is not None:
-                rows.nth(k).locator("button.go").click()
+                rows.nth(k).locator("button.go-to-time").click()
                 assert opened_page.page.inner_text("#now") == f"{float(sum(finding.time) / 2):.2f} s"
 
 

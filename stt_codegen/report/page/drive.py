@@ -33,7 +33,7 @@ CFLAGS = (
 )  # fmt: skip
 LDFLAGS = ("--no-entry", "--strip-all", "--allow-undefined", "-z", "stack-size=16384")
 EXPORTS = {
-    "report_room_address", "loop_own_step", "loop_own_tube", "loop_own_margin", "loop_own_start", "loop_own_advance",
+    "report_buffer_address", "loop_own_step", "loop_own_tube", "loop_own_margin", "loop_own_start", "loop_own_advance",
     "loop_own_lag", "loop_plant",
 }  # fmt: skip
 CLANG, LINKER = "clang", "wasm-ld"
@@ -96,7 +96,7 @@ def compile_drive_module(controller: EmittedController, plant: Model) -> DriveMo
             (folder / file).write_bytes(data)
         (folder / "adapter.c").write_text(adapter_source(task, controller.design, controller.certificate))
         (folder / "plant.c").write_text(plant_source(plant, task.dimension, task.order))
-        shutil.copy(templates / "report" / "wasm" / "room.c", folder)
+        shutil.copy(templates / "report" / "wasm" / "buffer.c", folder)
         paths = [p for p in sorted(folder.iterdir()) if p.suffix == ".c"]
         include = [f"-I{templates / 'report' / 'wasm'}", f"-I{templates / 'loop'}", f"-I{folder}"]
         try:

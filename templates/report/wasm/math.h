@@ -1,13 +1,13 @@
-/* For WebAssembly without a C library: what the emitted C and the plants call of <math.h>. The page has them (Math, in double). */
+/* For WebAssembly without a C library: the functions of <math.h> that the emitted C and plants call. The page imports them from Math, in double. */
 #ifndef REPORT_MATH_H
 #define REPORT_MATH_H
 #define NAN __builtin_nanf("")
 #define INFINITY __builtin_inff()
 #define isfinite(x) __builtin_isfinite(x)
-#define ONE(name) double name(double); float name##f(float);
-#define TWO(name) double name(double, double); float name##f(float, float);
-ONE(sqrt) ONE(exp) ONE(expm1) ONE(log) ONE(log1p) ONE(sin) ONE(cos) ONE(tan) ONE(asin) ONE(acos) ONE(atan) ONE(sinh) ONE(cosh)
-ONE(tanh) ONE(asinh) ONE(acosh) ONE(atanh) ONE(fabs) ONE(floor) ONE(ceil) TWO(pow) TWO(atan2) TWO(fmin) TWO(fmax) TWO(hypot)
-#undef ONE
-#undef TWO
+#define UNARY(name) double name(double); float name##f(float);
+#define BINARY(name) double name(double, double); float name##f(float, float);
+UNARY(sqrt) UNARY(exp) UNARY(expm1) UNARY(log) UNARY(log1p) UNARY(sin) UNARY(cos) UNARY(tan) UNARY(asin) UNARY(acos) UNARY(atan) UNARY(sinh) UNARY(cosh)
+UNARY(tanh) UNARY(asinh) UNARY(acosh) UNARY(atanh) UNARY(fabs) UNARY(floor) UNARY(ceil) BINARY(pow) BINARY(atan2) BINARY(fmin) BINARY(fmax) BINARY(hypot)
+#undef UNARY
+#undef BINARY
 #endif
