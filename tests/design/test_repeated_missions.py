@@ -132,9 +132,9 @@ def with_endless_windows(formula: Formula, drawn: list[bool]) -> Formula:
         assert over.end is not None
         return Interval(times * over.begin, None if next(ends) else times * over.end)
 
-    def with_new_windows(part: Formula) -> Formula:
+    def with_new_windows(subformula: Formula) -> Formula:
         """Return the formula with the new windows, in the order of its parts."""
-        match part:
+        match subformula:
             case And(parts):
                 return And(tuple(map(with_new_windows, parts)))
             case Or(parts):
@@ -145,7 +145,7 @@ def with_endless_windows(formula: Formula, drawn: list[bool]) -> Formula:
                 return Eventually(window(over), with_new_windows(part))
             case Until(over, first, last):
                 return Until(window(over), with_new_windows(first), with_new_windows(last))
-        return part
+        return subformula
 
     return with_new_windows(formula)
 
