@@ -2,7 +2,7 @@
 ours.
 
 A contender is prepared for an arena in which our loop already runs: the sets of our loop decide about collisions, and "outward"
-winds blow towards the nearer edge of our tube. CONTENDERS states what each guarantees, and what it does better than ours.
+winds blow away from the middle of our tube. CONTENDERS states what each guarantees, and what it does better than ours.
 """
 
 from __future__ import annotations
