@@ -291,7 +291,7 @@ Section Callers.
     unfold constants_of_component. destruct (gains_differ consts) eqn:Sv; destruct (has_limits consts) eqn:Li; destruct (clamp_shares_differ consts) eqn:Cd;
       match goal with |- context [unlimited_input A ?o ?h ?l] => set (component_consts := o); set (high := h); set (low := l) end; (eexists; split;
       [ cbn [app]; step;
-        (* with a table of clamp shares *)
+        (* only with a table of clamp shares *)
         try named (RealValue (table_constant A (clamp_share_table consts) i));
         (* with a table of gains *)
         try (named (RealValue low); named (RealValue high));
@@ -308,7 +308,7 @@ Section Callers.
       | left_is ]).
   Qed.
 
-  (* the test of the inputs: what there is to begin with and every x, times 0 and added up *)
+  (* The value with which the test of the inputs begins: the clock's value times 0, or 0. *)
   Variable clock_times_zero : number.
   (* The test of the inputs: the clock's value and every x, times 0 and added up. *)
   Fixpoint sum_times_zero (m : nat) : number := match m with O => clock_times_zero | S m => add A (sum_times_zero m) (mul A (x (Z.of_nat m)) (literal_value literal_zero)) end.

@@ -60,7 +60,7 @@ Fixpoint skip_definitions (fuel : nat) (big : string) (n : Z) (l : list token) :
   | O => None
   end.
 
-(* a macro that stands for nothing and whose name ends with the design's hash, and a function in a file of its own *)
+(* A hexadecimal digit. *)
 Definition is_hex (c : ascii) : bool := is_digit c || code_between 97 102 (N_of_ascii c).
 (* A macro whose name ends with the design's hash and that stands for nothing, and the prototype of the self-test, which is in a file of
    its own. *)

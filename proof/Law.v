@@ -184,7 +184,7 @@ Section Machine.
     is_finite (log_ y) = true /\ Rabs (value (log_ y) - ln (value y)) <= 8 * u * Rabs (ln (value y)).
   Variable consts : constants.
 
-  (* the logarithm of the text, the library's or one that is written out, from a little below 1 on *)
+  (* The relative error of the logarithm, besides the library's. *)
   Variable log_error : R.
   Hypothesis log_error_range : 0 <= log_error <= / 8192.
   (* The logarithm of the text, the library's or one that is written out, is near ln for numbers from a little below 1 on. *)

@@ -178,7 +178,7 @@ Section Machine.
     { apply Znot_gt_le. intro C. assert (bpow radix2 (prec - 1) * bpow radix2 (64 - prec) <= IZR (Zpos M) * bpow radix2 E).
       { apply Rmult_le_compat; try apply bpow_ge_0; [|apply bpow_le; lia]. rewrite <- (IZR_Zpower radix2) by lia. apply IZR_le, M0. }
       rewrite <- bpow_plus in H0. replace (prec - 1 + (64 - prec))%Z with 63%Z in H0 by ring. assert (bpow radix2 62 < bpow radix2 63) by (apply bpow_lt; lia). lra. }
-    (* its bits, less those of the smallest m *)
+    (* the bits of y, less those of the smallest m *)
     assert (Bits : (bits prec emax (B754_finite false M E H) - mantissa_cut prec = (E + prec) * P + (Zpos M - P - cut_fraction))%Z).
     { unfold bits. replace (Zpos M <? P)%Z with false by (symmetry; apply Z.ltb_ge; exact M0). rewrite cut_parts. unfold minimum_exponent. ring. }
     assert (Low : (0 <= cut_fraction < P)%Z) by lia.
@@ -260,7 +260,7 @@ Section Machine.
     destruct (integer_literal_exact prec emax _ _ prec_large emax_large literal_two 2 ltac:(lia) ltac:(reflexivity)) as [T1 T2].
     destruct log_coefficient_range as [C1 C2]. set (C := value (literal_number (log_coefficient consts))) in *.
     assert (G1 : generic_format radix2 (FLT_exp (3 - emax - prec) prec) 1) by (rewrite <- O1; apply number_format).
-    (* below and above *)
+    (* the values of `below` and `above` *)
     destruct (sub_rounds prec emax _ _ prec_large emax_large m (literal_number literal_one) Fm O2) as [B1 B2]; [apply ordinary_below_maximum; rewrite O1; fold y; apply Rabs_le; lra|].
     destruct (add_rounds prec emax _ _ prec_large emax_large m (literal_number literal_one) Fm O2) as [A1 A2]; [apply ordinary_below_maximum; rewrite O1; fold y; apply Rabs_le; lra|].
     rewrite O1 in B1, A1. fold y in B1, A1.
@@ -269,7 +269,7 @@ Section Machine.
     set (below := Bminus mode_NE m (literal_number literal_one)) in *. set (above := Bplus mode_NE m (literal_number literal_one)) in *. rewrite E1 in B1. rewrite E2 in A1.
     apply Rabs_le_between in D1, D2.
     assert (A0 : 1.7071065 <= value above) by (rewrite A1; apply Rle_trans with (1.7071067 * (1 - 0.00000006)); [lra|apply Rmult_le_compat; lra]).
-    (* s *)
+    (* the value of `s` *)
     set (s := (y - 1) / (y + 1)).
     assert (Sr : Rabs s <= 0.17158).
     { unfold s. apply Rabs_le. split; [apply Rcomplements.Rle_div_r|apply Rcomplements.Rle_div_l]; lra. }
@@ -336,7 +336,7 @@ Section Machine.
       rewrite Rabs_pos_eq by lra. apply Rle_trans with (0.00000006 * 2.03); [apply Rmult_le_compat; lra|lra]. }
     set (around := Bplus mode_NE bent (literal_number literal_two)) in *. apply Rabs_le_between in Re.
     assert (An : Rabs (value around - (2 + C * z)) <= 0.0000002) by (apply Rabs_le; lra). assert (Av : 1.9 <= value around <= 2.03) by lra.
-    (* part *)
+    (* the value of `part` *)
     assert (Ep : value s_ * value around = s * ((1 + d) * value around)) by (rewrite S1; ring).
     destruct (rounding_as_factor (value s_ * value around)) as (d5 & D5 & E5).
     { rewrite Ep. apply Half; [exact Small|]. rewrite Rabs_mult, (Rabs_pos_eq (1 + d)), (Rabs_pos_eq (value around)) by lra. apply Rle_trans with (0.5 * 1); [lra|apply Rmult_le_compat; lra]. }

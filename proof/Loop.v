@@ -57,7 +57,7 @@ Lemma rises_at_rate f df t0 t1 rate : t0 < t1 -> (forall r, continuity_pt f r) -
   (forall r, t0 < r < t1 -> is_derive f r (df r) /\ rate <= df r) -> rate * (t1 - t0) <= f t1 - f t0.
 Proof.
   intros Sm Cx D.
-  (* the derivative at the ends is not known: mean value on the open interval *)
+  (* At the ends there may be no derivative: the mean value theorem is used on the open interval. *)
   destruct (MVT_gen f t0 t1 (fun r => df r)) as (c & Hc & E).
   - rewrite Rmin_left, Rmax_right by lra; intros r Hr; apply D; lra.
   - intros r _; apply Cx.

@@ -95,7 +95,7 @@ Fixpoint tokenize (s : string) (st : reader_state) (acc : list token) : option (
       end
   end.
 
-(* names that begin with the task's get an @ in its place: no name of the text has one; in capitals all of it is, else it begins small *)
+(* A letter in capitals. *)
 Definition to_upper (c : ascii) : ascii := if is_lower c then ascii_of_N (N_of_ascii c - 32) else c.
 Fixpoint map_string (f : ascii -> ascii) (s : string) : string := match s with EmptyString => "" | String c r => String (f c) (map_string f r) end.
 (* The rest of a string after a prefix. *)
@@ -278,7 +278,7 @@ Section Parse.
     (let* (x, r) := read_name l in
        (let* r := expect_sign "=" r in let* (e, r) := read_expression r in Some (Assign x e, r)) or
        (let* r := expect_sign "[" r in let* (i, r) := read_name r in let* r := expect_signs "]=" r in
-          (* a lone NaN is cast, as it is in an expression *)
+          (* a NaN is written with a cast, as in any expression *)
           let* (e, r) := read_expression r in Some (Store x (Var i) e, r)) or
        (let* r := expect_sign "(" r in let* (a, o, r) := read_arguments 20 r in let* r := expect_sign ";" r in Some (CallKernel x a o, r))) or
     (let* r := expect_word "for" l in let* r := expect_sign "(" r in let* r := expect_word "int32_t" r in let* (x, r) := read_name r in let* r := expect_sign "=" r in

@@ -82,7 +82,7 @@ Section Sound.
   Hypothesis sensors_checked : at_most_all (sensor_error f spec conds + edge_error) (map component_distance_error (components sampling)) = true.
   Let program := Source directive_lines (emitted_tables consts coefficients) (Emission.emitted_functions consts).
 
-  (* the library's logarithm, where the text calls it *)
+  (* The library's logarithm; it is assumed to be accurate only where the text calls it. *)
   Variable log_ : number -> number.
   Hypothesis log_accurate : has_inline_log consts = false -> accurate prec emax log_.
 

@@ -645,7 +645,7 @@ Section Requirements.
     (* P3 *) (forall i t, (i < n spec)%nat -> in_box (state_space spec) i t) /\
     (* P4 *) (forall o t, In o (unsafe_sets spec) -> separated (n spec) (Q2R (clearance spec)) o (fun i => L i t) (fun i => U i t)) /\
     (* P5 *) (forall i t, (i < n spec)%nat -> Q2R (t_c spec) <= t -> in_box (target_set spec) i t) /\
-    (* and where half-spaces cut *)
+    (* P3 and P5 where half-spaces cut *)
     (forall t x, (forall i, (i < n spec)%nat -> L i t <= x i <= U i t) -> within_half_spaces (n spec) (state_half_spaces spec) x /\ (Q2R (t_c spec) <= t -> within_half_spaces (n spec) (target_half_spaces spec) x)).
   Proof.
     pose proof tube_checked as C; unfold tube_check in C; cbv zeta in C.
