@@ -34,6 +34,7 @@ class _CasadiLaw(Backend):
         self.control_input = control_law.law()
 
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
+        """Return what the emitted function of this name gives, computed by the method `_<name>`."""
         return tuple(getattr(self, f"_{function}")(*inputs))
 
     def _transform(self, lower: Array, upper: Array, x: Array) -> tuple[Array, ...]:

@@ -33,6 +33,7 @@ class ComparisonRow:
 
     @property
     def holds(self) -> bool:
+        """Whether every error is within its bound."""
         return self.share <= 1.0
 
 

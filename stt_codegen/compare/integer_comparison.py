@@ -105,6 +105,7 @@ class _ValueInTube(NamedTuple):
         return np.asarray(np.minimum(np.abs(self.value - low), np.abs(high - self.value)) - error)
 
     def is_inside(self) -> Array:
+        """Return, by component, whether the value is strictly between its edges."""
         return (self.tube.lower < self.value) & (self.value < self.tube.upper)
 
 
@@ -208,6 +209,7 @@ def count_differences_from_python(controller: EmittedController, design: Refined
     columns = dict(zip(("tick", "x", "v"), ticks_and_states(controller, design, count, seed=2), strict=False))
 
     def count_differences(program: Program, name: str) -> int:
+        """Count the points at which one function returns another integer."""
         inputs = [columns[p.name] for p in program.function(name).inputs]
         pairs = zip(backend.call(name, *inputs), python.call(name, *inputs), strict=True)
         return int(np.any([np.any((a != b).reshape(len(a), -1), axis=1) for a, b in pairs], axis=0).sum())

@@ -101,6 +101,7 @@ class IntegerLaw:
 
     @cached_property
     def gain_mantissas(self) -> tuple[int, ...]:
+        """By component, the gain's mantissa of 16 bits, which `push` multiplies by."""
         return tuple(self._split_gain(abs(k), self.u_bits)[0] for k in self.gain)
 
     @property

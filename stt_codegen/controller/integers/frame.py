@@ -89,6 +89,7 @@ class IntegerController:
 
     @property
     def edge_kernel(self) -> Kernel:
+        """The kernel of an edge, from a table index and all weights."""
         return build_edge_kernel(self.n)
 
     def functions(self, task: Task) -> tuple[Function, ...]:
@@ -96,6 +97,7 @@ class IntegerController:
         return self.build_tube(), self.build_control(task), self.build_margin(), self.build_margins(), self.build_covered(task)
 
     def state_params(self) -> tuple[Param, ...]:
+        """Return the parameters of the state, in the order of `state_names`."""
         return tuple(_integers(name, self.n) for name in self.state_names)
 
     def write_weights(self, block: Block) -> tuple[Var, tuple[Var, ...]]:

@@ -78,21 +78,26 @@ class InertialIntegerController(IntegerController):
 
     @property
     def tables(self) -> tuple[Table, ...]:  # type: ignore[override]
+        """The table of lambda."""
         return (self.filter.table,)
 
     @property
     def time_kernels(self) -> tuple[Kernel, ...]:
+        """Those of order 1, then the kernel of the weights for rates."""
         return (*super().time_kernels, build_rate_weights_kernel(self.rate_scale))
 
     @property
     def edge_kernel(self) -> Kernel:
+        """The kernel of an edge and its rate."""
         return build_edge_and_rate_kernel(self.n, self.rate_scale)
 
     def functions(self, task: Task) -> tuple[Function, ...]:
+        """Build all functions that are emitted: those of order 1, and `filtered_tube` behind `tube`."""
         tube, *later_functions = super().functions(task)
         return (tube, self.build_filtered_tube(), *later_functions)
 
     def write_distances(self, block: Block, i: Var, edges: tuple[tuple[Var, ...], ...]) -> StateDistances:
+        """Write statements for the distances of v + lambda x to the filtered edges, and of x to its edges."""
         (lower, lower_rate), (upper, upper_rate) = edges
         of_x = write_distances_of(block, "x", i, (lower, upper), LARGEST_POSITION)
         of_v = write_distances_of(block, "v", i, (lower_rate, upper_rate), LARGEST_STATE)
@@ -104,6 +109,7 @@ class InertialIntegerController(IntegerController):
         return StateDistances(Distances(to_lower, to_upper), of_x)
 
     def write_is_covered(self, block: Block, i: Var) -> Var:
+        """Write statements for whether component i of x and of v + lambda x are those of a covered start."""
         x = write_clamped_component(block, "x", i, LARGEST_POSITION)
         v = write_clamped_component(block, "v", i, LARGEST_STATE)
         z = block.op("z", "iadd", v, self.filter.write_product(block, "filtered", x, self.filter.write_component(block, i)))
@@ -112,6 +118,7 @@ class InertialIntegerController(IntegerController):
         return block.op("inside", "and", is_x_covered, is_z_covered)
 
     def write_is_inside(self, block: Block, offset: Var, width: Var, distances: StateDistances) -> Var:
+        """Write statements for whether v + lambda x and x are inside their tubes. offset, width: of v + lambda x."""
         is_z_inside = super().write_is_inside(block, offset, width, distances)
         is_above = block.op("over", "ilt", integer(0), distances.of_x.to_lower)
         is_below = block.op("under", "ilt", integer(0), distances.of_x.to_upper)
@@ -151,6 +158,7 @@ class InertialIntegerController(IntegerController):
 
     @property
     def margin_doc(self) -> tuple[str, ...]:
+        """The comment of `margin`, in lines."""
         return (
             f"How far x is from leaving the tube, and v + lambda x from leaving its own, in 2^-{MARGIN_BITS}: the distance to",
             "the nearest edge over the width there, the lesser of both, least over the components.",

@@ -45,6 +45,7 @@ class AdaptiveParts:
 
     @property
     def n(self) -> int:
+        """The number of dimensions."""
         return self.design.dimension
 
     @property
@@ -54,6 +55,7 @@ class AdaptiveParts:
 
     @property
     def t_c(self) -> Const:
+        """The prescribed time, in seconds."""
         return real(self.design.prescribed_time)
 
     @property

@@ -23,8 +23,11 @@ from stt_codegen.program import Block, Load, Operand, Var, real
 class EdgeDistances(Protocol):
     """What the law needs of one component: the distance between its two edges, and its distances to both."""
 
-    def write_raw_width(self, block: Block) -> Var: ...
-    def write_distances(self, block: Block) -> tuple[Var, Var]: ...
+    def write_raw_width(self, block: Block) -> Var:
+        """Write statements for the distance from the lower to the upper edge, which may be negative."""
+
+    def write_distances(self, block: Block) -> tuple[Var, Var]:
+        """Write statements for the distances to the lower and to the upper edge, negative beyond them."""
 
 
 @dataclass(frozen=True)

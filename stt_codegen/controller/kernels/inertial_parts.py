@@ -31,6 +31,7 @@ class LambdaFilter:
 
     @classmethod
     def of(cls, design: RefinedDesign) -> LambdaFilter:
+        """Take lambda and the speed of spline time from a design of order 2."""
         return cls(design.filter, Fraction(design.segments) / design.prescribed_time)
 
     def __str__(self) -> str:
@@ -61,9 +62,11 @@ class ComputedDistances:
         return cls(value.write_raw_width(block), value.write_distances(block))
 
     def write_raw_width(self, _block: Block) -> Var:
+        """Return the width; it needs no statement."""
         return self.raw_width
 
     def write_distances(self, _block: Block) -> tuple[Var, Var]:
+        """Return the distances; they need no statement."""
         return self.to_edges
 
 
@@ -76,9 +79,11 @@ class FilteredDistances:
     lambda_: Operand
 
     def write_raw_width(self, block: Block) -> Var:
+        """Write statements for the width of the filtered tube."""
         return self._write_sum(block, "room", self.of_v.raw_width, self.of_x.raw_width)
 
     def write_distances(self, block: Block) -> tuple[Var, Var]:
+        """Write statements for the distances of v + lambda x to both edges."""
         (v_to_lower, v_to_upper), (x_to_lower, x_to_upper) = self.of_v.to_edges, self.of_x.to_edges
         to_lower = self._write_sum(block, "to_lower", v_to_lower, x_to_lower)
         return to_lower, self._write_sum(block, "to_upper", v_to_upper, x_to_upper)

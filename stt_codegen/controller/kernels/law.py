@@ -49,6 +49,7 @@ class ControlLaw:
 
     @property
     def kernels(self) -> tuple[Kernel, ...]:
+        """All kernels of the law, as they are emitted."""
         return (self.normalized_error, self.transformed_error, self.control_input)
 
     @property
