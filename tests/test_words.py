@@ -187,6 +187,51 @@ def problems(function: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[str]:
             yield f"returns a tuple of {len(parts)}: make it a NamedTuple or a dataclass"
 
 
+def test_names_say_what_a_value_is() -> None:
+    bad = [
+        f"{path}:{line}: {name}"
+        for path, text in python_files().items()
+        for line, name in bound_names(ast.parse(text))
+        if is_banned(name) and (path, name) not in KEYS_OF_TASKS
+    ]
+    assert bad == []
+
+
+def test_sentences_have_no_riddles() -> None:
+    bad = [
+        f"{p}:{line}: {hit}" for p, text in python_files().items() for line, part in sentences(text) for hit in phrases_in(part)
+    ]
+    bad += [f"{path}: {hit}" for path, text in prose_files().items() for hit in phrases_in(text)]
+    assert bad == []
+
+
+def test_functions_can_be_read() -> None:
+    bad = [
+        f"{path}:{function.lineno}: {function.name}: {problem}"
+        for path, text in python_files().items()
+        for function in functions(ast.parse(text))
+        for problem in problems(function)
+    ]
+    assert bad == []
+
+
+def test_names_of_proofs_say_what_a_value_is() -> None:
+    """Lemmas, definitions, fields, variables and hypotheses, and what a proof names on its way."""
+    assert [
+        f"{path}: {n}" for path, text in proof_files().items() for n in sorted(coq_names(text)) if is_banned_in_proofs(n)
+    ] == []
+
+
+def test_comments_of_proofs_have_no_riddles() -> None:
+    parts = [(path, part) for path, text in proof_files().items() for part in coq_comments(text)]
+    assert [f"{path}: {hit}" for path, part in parts for hit in phrases_in(part)] == []
+    assert [path for path, text in proof_files().items() if not text.startswith("(* ")] == [], "say what the file shows"
+
+
+def test_what_is_pending_exists() -> None:
+    assert [entry for entry in (*PENDING, *EXEMPT) if not (ROOT / entry).exists()] == []
+
+
 def identifiers(pattern: str) -> list[str]:
     """Return the names in a list of parameters or a destructuring pattern, without default values and expressions."""
     return re.findall(r"(?<![\w.\"'])[A-Za-z_]\w*", re.sub(r"=[^,\])}]*", "", pattern))
@@ -260,51 +305,6 @@ def test_the_law_of_templates_finds_a_banned_name(text: str) -> None:
     assert not [
         name for _, name in names_by_pattern(f"/* {text} */" if patterns is JAVASCRIPT_NAMES else f"{{# {text} #}}", patterns)
     ]
-
-
-def test_names_say_what_a_value_is() -> None:
-    bad = [
-        f"{path}:{line}: {name}"
-        for path, text in python_files().items()
-        for line, name in bound_names(ast.parse(text))
-        if is_banned(name) and (path, name) not in KEYS_OF_TASKS
-    ]
-    assert bad == []
-
-
-def test_sentences_have_no_riddles() -> None:
-    bad = [
-        f"{p}:{line}: {hit}" for p, text in python_files().items() for line, part in sentences(text) for hit in phrases_in(part)
-    ]
-    bad += [f"{path}: {hit}" for path, text in prose_files().items() for hit in phrases_in(text)]
-    assert bad == []
-
-
-def test_functions_can_be_read() -> None:
-    bad = [
-        f"{path}:{function.lineno}: {function.name}: {problem}"
-        for path, text in python_files().items()
-        for function in functions(ast.parse(text))
-        for problem in problems(function)
-    ]
-    assert bad == []
-
-
-def test_names_of_proofs_say_what_a_value_is() -> None:
-    """Lemmas, definitions, fields, variables and hypotheses, and what a proof names on its way."""
-    assert [
-        f"{path}: {n}" for path, text in proof_files().items() for n in sorted(coq_names(text)) if is_banned_in_proofs(n)
-    ] == []
-
-
-def test_comments_of_proofs_have_no_riddles() -> None:
-    parts = [(path, part) for path, text in proof_files().items() for part in coq_comments(text)]
-    assert [f"{path}: {hit}" for path, part in parts for hit in phrases_in(part)] == []
-    assert [path for path, text in proof_files().items() if not text.startswith("(* ")] == [], "say what the file shows"
-
-
-def test_what_is_pending_exists() -> None:
-    assert [entry for entry in (*PENDING, *EXEMPT) if not (ROOT / entry).exists()] == []
 
 
 @pytest.mark.parametrize(
