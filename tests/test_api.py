@@ -1,4 +1,4 @@
-"""`import stt_codegen as stt`: what a notebook sees."""
+"""The Python interface, `import stt_codegen as stt`, as a notebook uses it."""
 
 from __future__ import annotations
 
@@ -55,16 +55,16 @@ def test_importing_loads_nothing_heavy_and_changes_no_backend() -> None:
 
 
 def test_the_interface_loads_no_solver() -> None:
-    """What every script and notebook waits for: the search for a tube brings its solvers when one is designed."""
+    """Solvers are loaded when a tube is designed, so that scripts and notebooks start fast."""
     loaded = json.loads(run("import sys, json, stt_codegen.api; print(json.dumps([m for m in sys.modules]))"))
     assert not set("casadi control sympy highspy matplotlib flint scipy".split()) & set(loaded)
 
 
-def test_the_face_is_the_interface() -> None:
-    """What the package offers, what the module behind it has, and what type checkers are told are the same names."""
+def test_package_module_and_stub_have_the_same_names() -> None:
+    """The package, the module `api` and the stub for type checkers list the same names."""
     stub = (ROOT / "stt_codegen" / "__init__.pyi").read_text()
-    told = [line.split(" as ")[1] for line in stub.splitlines() if " as " in line]
-    assert sorted(stt.__all__) == sorted(api.__all__) == sorted(told)
+    stub_names = [line.split(" as ")[1] for line in stub.splitlines() if " as " in line]
+    assert sorted(stt.__all__) == sorted(api.__all__) == sorted(stub_names)
 
     for name in stt.__all__:
         assert getattr(stt, name) is getattr(api, name)
@@ -74,20 +74,20 @@ def test_the_face_is_the_interface() -> None:
     assert (ROOT / "stt_codegen" / "py.typed").exists()
 
 
-def test_examples_are_true_and_every_function_has_one(monkeypatch, tool) -> None:
+def test_every_function_has_a_correct_example(monkeypatch, tool) -> None:
     tool("gcc")
     monkeypatch.chdir(ROOT)
-    found = doctest.DocTestFinder().find(api, globs=vars(api).copy())
-    examples = {one.name.removeprefix("stt_codegen.api."): one for one in found if one.examples}
+    doctests = doctest.DocTestFinder().find(api, globs=vars(api).copy())
+    examples = {test.name.removeprefix("stt_codegen.api."): test for test in doctests if test.examples}
     functions = [name for name in api.__all__ if not isinstance(getattr(api, name), type)]
     methods = [f"Controller.{name}" for name in ("tube", "control", "margin", "casadi", "write", "plot", "simulate")]
     assert {*functions, *methods, "Controller"} <= set(examples)
     runner = doctest.DocTestRunner()
-    for one in examples.values():
-        assert runner.run(one).failed == 0, one.name
+    for test in examples.values():
+        assert runner.run(test).failed == 0, test.name
 
 
-def test_what_takes_a_task_takes_the_path_of_its_file() -> None:
+def test_functions_of_a_task_accept_the_path_of_its_file() -> None:
     path = ROOT / "tasks" / "omni_s2.toml"
     tube = stt.design(str(path))
     assert stt.certify(path, tube) == stt.certify(stt.load(path), tube)
@@ -97,31 +97,31 @@ def test_what_takes_a_task_takes_the_path_of_its_file() -> None:
 
 
 def test_a_controller_goes_through_pickle(controller) -> None:
-    controller.tube(1.0)  # what it keeps of this must not stand in the way
-    again = pickle.loads(pickle.dumps(controller))
-    assert again.files == controller.files
-    assert again.control(1.0, [0.5, 0.5])[1].tolist() == controller.control(1.0, [0.5, 0.5])[1].tolist()
+    controller.tube(1.0)  # values that it caches by this must not prevent pickling
+    copy = pickle.loads(pickle.dumps(controller))
+    assert copy.files == controller.files
+    assert copy.control(1.0, [0.5, 0.5])[1].tolist() == controller.control(1.0, [0.5, 0.5])[1].tolist()
 
 
 @pytest.mark.parametrize(
     "start", [[1, 1], np.array([1, 1]), np.array([1.0, 1.0], np.float32), (np.float32(1),) * 2, (Fraction(1), "1")], ids=repr
 )
 def test_a_start_of_any_numbers_is_that_start(controller, start, tool) -> None:
-    """C reads doubles by their address: whole numbers and halves must have become doubles before."""
+    """C reads doubles by their address, so that integers and other floats must be converted before."""
     tool("gcc")
     assert controller.simulate(start=start).trace[0, 1:3].tolist() == [1.0, 1.0]
 
 
 @pytest.mark.parametrize(
-    ("given", "told"), [([0.5], "1 numbers, 2"), ("ab", "2 numbers"), ([0.5, None], "2 numbers"), (3, "2 numbers")]
+    ("start", "message"), [([0.5], "1 numbers, 2"), ("ab", "2 numbers"), ([0.5, None], "2 numbers"), (3, "2 numbers")]
 )
-def test_a_start_that_is_none_is_refused(controller, given, told, tool) -> None:
+def test_a_malformed_start_is_refused(controller, start, message, tool) -> None:
     tool("gcc")
-    with pytest.raises(stt.BadInput, match=told):
-        controller.simulate(start=given)
+    with pytest.raises(stt.BadInput, match=message):
+        controller.simulate(start=start)
 
 
-def test_a_plant_that_is_none_is_refused(controller) -> None:
+def test_a_function_that_is_no_plant_is_refused(controller) -> None:
     with pytest.raises(stt.BadInput, match="plant: is a function"):
         controller.simulate(lambda x: x)
 
@@ -129,11 +129,16 @@ def test_a_plant_that_is_none_is_refused(controller) -> None:
 # ---------------------------------------------------------------------------------------------------------- tasks in code
 
 
-def test_a_table_changes_where_it_is_told_to() -> None:
-    """And keeps the rest: else a design changed would lose the clearance."""
+def test_changed_replaces_only_the_stated_fields_of_a_table() -> None:
+    """Otherwise a task with another design would lose its clearance."""
     task = stt.Task(**{**CART, "tube": {"clearance": 0.05, "min_width": 0.2}})
-    other = task.changed(tube={"design": "adaptive"}, name="van")
-    assert (other.name, other.tube.design, other.tube.clearance, other.tube.min_width) == (
+    adaptive_task = task.changed(tube={"design": "adaptive"}, name="van")
+    assert (
+        adaptive_task.name,
+        adaptive_task.tube.design,
+        adaptive_task.tube.clearance,
+        adaptive_task.tube.min_width,
+    ) == (
         "van",
         "adaptive",
         Fraction(1, 20),
@@ -144,11 +149,11 @@ def test_a_table_changes_where_it_is_told_to() -> None:
 
 
 @pytest.mark.parametrize("path", TASK_FILES, ids=lambda p: p.stem)
-def test_a_task_made_in_code_is_the_task_of_the_file(path) -> None:
+def test_a_task_in_python_equals_the_task_of_its_file(path) -> None:
     loaded = stt.load(path)
-    made = stt.Task(**{name: getattr(loaded, name) for name in loaded.model_fields_set})
-    assert made == loaded
-    assert made.digest == loaded.digest
+    task = stt.Task(**{name: getattr(loaded, name) for name in loaded.model_fields_set})
+    assert task == loaded
+    assert task.digest == loaded.digest
 
 
 def test_numbers_of_every_kind_are_the_same_number() -> None:
@@ -169,16 +174,16 @@ def test_numbers_of_every_kind_are_the_same_number() -> None:
 @given(st.floats(allow_nan=True, allow_infinity=True))
 def test_a_float_means_its_shortest_decimal(value: float) -> None:
     try:
-        made = stt.Task(**{**CART, "prescribed_time": value})
+        task = stt.Task(**{**CART, "prescribed_time": value})
     except stt.BadInput as error:
         assert "prescribed_time" in str(error)
         assert not 1e-9 <= value <= 1e9
         return
-    assert made.prescribed_time == Fraction(repr(value))
+    assert task.prescribed_time == Fraction(repr(value))
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "field"),
     [
         ({"body": [-1, -1]}, "body[0]"),
         ({"target_set": {"lower": [3, 2], "upper": [4.5, 3]}}, "target_set"),
@@ -198,14 +203,14 @@ def test_a_float_means_its_shortest_decimal(value: float) -> None:
     ],
     ids=str,
 )
-def test_construction_refuses_what_a_file_is_refused_for(change: dict, told: str) -> None:
-    with pytest.raises(stt.BadInput, match=told.replace("[", r"\[")):
+def test_task_and_changed_refuse_malformed_fields_by_name(change: dict, field: str) -> None:
+    with pytest.raises(stt.BadInput, match=field.replace("[", r"\[")):
         stt.Task(**{**CART, **change})
-    with pytest.raises(stt.BadInput, match=told.replace("[", r"\[")):
+    with pytest.raises(stt.BadInput, match=field.replace("[", r"\[")):
         stt.Task(**CART).changed(**change)
 
 
-def test_a_file_may_not_hold_numbers_as_text() -> None:
+def test_a_file_with_a_number_as_text_is_refused() -> None:
     with pytest.raises(stt.BadInput, match="prescribed_time"):
         parse_task(README.replace("prescribed_time = 6.0", 'prescribed_time = "6.0"'))
 
@@ -225,7 +230,7 @@ def points(c, count: int = 60):
     return t, lower + (upper - lower) * rng.uniform(-0.2, 1.2, lower.shape)
 
 
-def test_a_controller_says_what_it_is_in_a_line(controller) -> None:
+def test_the_repr_of_a_controller_is_one_line_with_its_main_facts(controller) -> None:
     text = repr(controller)
     assert len(text) < 120
     for part in ("cart", "refined", "certified", "float"):
@@ -233,7 +238,7 @@ def test_a_controller_says_what_it_is_in_a_line(controller) -> None:
     assert controller._repr_png_().startswith(b"\x89PNG")
 
 
-def test_vectorised_calls_are_the_single_ones(controller) -> None:
+def test_vectorised_calls_equal_single_calls(controller) -> None:
     t, x = points(controller)
     lower, upper = controller.tube(t)
     status, u = controller.control(t, x)
@@ -242,8 +247,8 @@ def test_vectorised_calls_are_the_single_ones(controller) -> None:
     for k in range(0, len(t), 7):
         assert np.array_equal(controller.tube(t[k])[0], lower[k])
         assert np.array_equal(controller.tube(float(t[k]))[1], upper[k])
-        one = controller.control(t[k], x[k])
-        assert (one[0], one[1].tolist(), controller.margin(t[k], x[k])) == (status[k], u[k].tolist(), margin[k])
+        single_status, single_u = controller.control(t[k], x[k])
+        assert (single_status, single_u.tolist(), controller.margin(t[k], x[k])) == (status[k], u[k].tolist(), margin[k])
     assert np.array_equal(controller.control(1.0, x)[1][3], controller.control(1.0, x[3])[1])
 
 
@@ -262,7 +267,7 @@ def test_the_compiled_backend_refuses_them_before_a_pointer_is_passed(controller
 
 @pytest.mark.parametrize("design", ["refined", "adaptive"])
 @pytest.mark.parametrize("name", ["omni_s2", "spacecraft"])
-def test_casadis_functions_are_the_emitted_ones(name: str, design: str) -> None:
+def test_functions_for_casadi_equal_the_emitted_ones(name: str, design: str) -> None:
     """Values to 1e-12 relative, for SX and MX; derivatives against differences of the emitted function."""
     assert name in ADAPTABLE
     c = stt.build(stt.load(ROOT / "tasks" / f"{name}.toml").with_options(design))
@@ -283,9 +288,9 @@ def test_casadis_functions_are_the_emitted_ones(name: str, design: str) -> None:
         if inside and not c.design.is_stateful:
             step = 1e-6 * (upper[k] - lower[k])
             for i in range(len(step)):
-                ahead, back = (c.control(t[k], x[k] + s * step * np.eye(len(step))[i])[1] for s in (1, -1))
+                ahead, behind = (c.control(t[k], x[k] + s * step * np.eye(len(step))[i])[1] for s in (1, -1))
                 jacobian = np.array(functions["du_dx"](t[k], x[k]))[:, i]
-                assert np.allclose(jacobian, (ahead - back) / (2 * step[i]), rtol=1e-4, atol=1e-4 * np.abs(jacobian).max())
+                assert np.allclose(jacobian, (ahead - behind) / (2 * step[i]), rtol=1e-4, atol=1e-4 * np.abs(jacobian).max())
     symbol = ca.MX.sym("t")
     assert functions["tube"](symbol, *([ca.MX.zeros(2 * c.task.dimension)] if c.design.is_stateful else []))[0].shape == (
         c.task.dimension,
@@ -293,16 +298,16 @@ def test_casadis_functions_are_the_emitted_ones(name: str, design: str) -> None:
     )
 
 
-def test_inline_logarithms_are_casadis_too(tmp_path) -> None:
+def test_functions_for_casadi_have_the_inline_logarithm(tmp_path) -> None:
     c = stt.build(stt.load(ROOT / "tasks" / "omni_board.toml"))
     assert c.task.emit.math == "inline"
     law = c.casadi()["control"]
     t, x = points(c, 25)
     status, u = c.control(t, x)
     for k in range(len(t)):
-        found, got = law(t[k], x[k])
-        assert int(found) == status[k]
-        assert np.allclose(np.array(got).ravel(), u[k], rtol=1e-12, atol=1e-12)
+        casadi_status, casadi_u = law(t[k], x[k])
+        assert int(casadi_status) == status[k]
+        assert np.allclose(np.array(casadi_u).ravel(), u[k], rtol=1e-12, atol=1e-12)
 
 
 def test_write_plot_simulate(controller, tmp_path, tool) -> None:
@@ -320,7 +325,7 @@ def test_write_plot_simulate(controller, tmp_path, tool) -> None:
         controller.simulate(speed=3)
 
 
-def test_refusals_are_the_familys(tmp_path) -> None:
+def test_refusals_are_exceptions_of_the_package(tmp_path) -> None:
     wall = [{"name": "wall", "lower": [1.5, 0], "upper": [2.5, 3]}]
     with pytest.raises(stt.NotCertified, match="P4"):
         stt.build(stt.Task(**{**CART, "unsafe": wall}))
@@ -341,7 +346,7 @@ def test_prove_outside_a_repository_says_where_the_book_goes(tmp_path) -> None:
     assert not any(tmp_path.iterdir())
 
 
-# ------------------------------------------------------------------------------------------------------ a tube of one's own
+# ------------------------------------------------------------------------------------------------------ a user's tube
 
 
 def control_points(controller) -> np.ndarray:
@@ -350,9 +355,9 @@ def control_points(controller) -> np.ndarray:
 
 
 @pytest.mark.parametrize("path", TASK_FILES, ids=lambda p: p.stem)
-def test_our_tube_given_as_ones_own_is_emitted_to_the_same_bytes(path) -> None:
-    ours = stt.build(path)
-    assert stt.certify_tube(ours.task, points=control_points(ours)).files == ours.files
+def test_a_designed_tube_passed_as_points_is_emitted_to_the_same_bytes(path) -> None:
+    designed = stt.build(path)
+    assert stt.certify_tube(designed.task, points=control_points(designed)).files == designed.files
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 40))
@@ -360,37 +365,39 @@ def test_rounding_goes_inwards_and_by_less_than_a_step(seed: int, segments: int)
     task, rng = stt.Task(**CART), np.random.default_rng(seed)
     points = rng.uniform(0, 3, (segments + 3, 2, 2))
     points[-1] = points[-3]
-    made = spline_tube(task, points)
-    inwards = (made.integers() * float(made.unit) - points / 6) * [1, -1]
+    tube = spline_tube(task, points)
+    inwards = (tube.integers() * float(tube.unit) - points / 6) * [1, -1]
     assert (inwards > -1e-15).all()  # points / 6 is at most 1/2, rounded to 2^-54
-    assert (inwards < float(made.unit)).all()
+    assert (inwards < float(tube.unit)).all()
 
 
-def straight(share, lower=(0.1, 0.1), upper=(0.9, 0.9), way=(3.0, 2.0)):
-    """Edges of a box that moves along `way`, at rest at both ends."""
-    moved = (share**2 * (3 - 2 * share))[:, None] * way
+def straight(share, lower=(0.1, 0.1), upper=(0.9, 0.9), displacement=(3.0, 2.0)):
+    """Return edges of a box that moves by `displacement`, at rest at both ends."""
+    moved = (share**2 * (3 - 2 * share))[:, None] * displacement
     return moved + lower, moved + upper
 
 
-def test_samples_of_a_cubic_are_met_certified_and_checked_from_the_c_alone(tmp_path) -> None:
+def test_samples_of_a_cubic_are_fitted_certified_and_checked(tmp_path) -> None:
     empty = README.partition("[[unsafe]]")[0] + "[tube]\nclearance = 0.05\nmin_width = 0.1\nsegments = 16\n"
     (tmp_path / "task.toml").write_text(empty)
     task, t = stt.parse(empty), np.linspace(0, 6, 60)
     samples = (t, *straight(t / 6))
-    made = stt.certify_tube(task, samples=samples)
-    assert made.certificate.holds
-    assert (made.distance(*samples) < 2.0 ** (2 - 20)).all()  # a spline holds a cubic; control points of 6 units of 2^-21 inwards
-    made.write(tmp_path)
+    fitted = stt.certify_tube(task, samples=samples)
+    assert fitted.certificate.holds
+    assert (
+        fitted.distance(*samples) < 2.0 ** (2 - 20)
+    ).all()  # a spline represents a cubic; its control points are rounded inward by up to 6 units of 2^-21
+    fitted.write(tmp_path)
     assert check_files([str(tmp_path / name) for name in ("task.toml", "cart.c", "cart.certificate.json")]) == 0
 
 
-def test_a_tube_through_an_obstacle_is_refused_with_place_and_amount() -> None:
+def test_a_tube_through_an_obstacle_is_refused_by_the_obstacles_name() -> None:
     task, t = stt.Task(**CART), np.linspace(0, 6, 60)
     with pytest.raises(stt.NotCertified, match=r"avoid \(P4\).*pillar"):
         stt.certify_tube(task, samples=(t, *straight(t / 6)))
-    made = stt.certify_tube(task, samples=(t, *straight(t / 6)), uncertified=True)
-    assert not made.certificate.holds
-    assert b"NOT CERTIFIED" in made.files["cart.c"]
+    uncertified = stt.certify_tube(task, samples=(t, *straight(t / 6)), uncertified=True)
+    assert not uncertified.certificate.holds
+    assert b"NOT CERTIFIED" in uncertified.files["cart.c"]
 
 
 T = np.linspace(0, 6, 60)
@@ -398,7 +405,7 @@ LOW, HIGH = straight(T / 6)
 
 
 @pytest.mark.parametrize(
-    ("given_tube", "told"),
+    ("tube_arguments", "message"),
     [
         ({}, "give points or samples"),
         ({"points": np.zeros((9, 2, 2)), "samples": (T, LOW, HIGH)}, "give points or samples"),
@@ -414,21 +421,21 @@ LOW, HIGH = straight(T / 6)
         ({"samples": (np.concatenate([T[:59] / 1e3, T[59:]]), LOW, HIGH)}, "not determined"),
     ],
 )
-def test_what_is_no_tube_is_refused(given_tube, told) -> None:
-    with pytest.raises(stt.BadInput, match=told):
-        stt.certify_tube(stt.Task(**CART), **given_tube)
+def test_malformed_points_or_samples_are_refused(tube_arguments, message) -> None:
+    with pytest.raises(stt.BadInput, match=message):
+        stt.certify_tube(stt.Task(**CART), **tube_arguments)
     with pytest.raises(stt.BadInput, match=r"tube\.design"):
         stt.certify_tube(stt.Task(**{**CART, "tube": {"design": "adaptive"}}), points=np.zeros((9, 2, 2)))
 
 
-# ------------------------------------------------------------------------------------------------ what an array may be
+# ------------------------------------------------------------------------------------------------ kinds of arrays
 
 GOOD_POINTS = np.array([[[0.2, 0.8]] * 2] * 2 + [[[1.0, 2.0]] * 2] * 4 + [[[3.2, 3.8], [2.2, 2.8]]] * 3)
 STATES = np.array([[0.5, 0.5], [0.6, 0.4], [0.7, 0.6]])
 
 
-class Frame:
-    """As pandas has them: an array only by `__array__`."""
+class ForeignArray:
+    """An array of another library, such as pandas, which has only `__array__`."""
 
     def __init__(self, values: np.ndarray) -> None:
         self.values = values
@@ -438,7 +445,7 @@ class Frame:
 
 
 def with_entry(values: np.ndarray, entry: object) -> list:
-    """The same as nested lists, the first number another entry."""
+    """Return the array as nested lists, with its first number replaced by an entry."""
     rows = np.asarray(values).tolist()
     inner = rows
     while isinstance(inner[0], list):
@@ -468,9 +475,9 @@ NO_ARRAYS = {
     "one axis more": lambda v: v[None, None],
     "no entries": lambda v: v[:0],
     "rows of different lengths": lambda v: [*v.tolist(), [1.0, 2.0, 3.0]],
-    "a foreign one of complex numbers": lambda v: Frame(v + 0.5j),
-    "a foreign one of booleans": lambda v: Frame(v.astype(bool)),
-    "a foreign one of objects": lambda v: Frame(v.astype(object)),
+    "a foreign one of complex numbers": lambda v: ForeignArray(v + 0.5j),
+    "a foreign one of booleans": lambda v: ForeignArray(v.astype(bool)),
+    "a foreign one of objects": lambda v: ForeignArray(v.astype(object)),
 }
 NOT_FINITE = {
     "NaN": lambda v: with_entry(v, float("nan")),
@@ -484,7 +491,7 @@ LIKE_ARRAYS = {
     "floats of 32 bits": lambda v: v.astype(np.float32),
     "extended": lambda v: v.astype(np.longdouble),
     "masked nowhere": np.ma.array,
-    "foreign": Frame,
+    "foreign": ForeignArray,
     "list of arrays": list,
     "not contiguous": lambda v: np.repeat(v, 2, axis=0)[::2],
     "reversed in memory": np.asfortranarray,
@@ -492,7 +499,7 @@ LIKE_ARRAYS = {
 
 
 def task_with(*path: str, table: dict | None = None):
-    """Takes an array as a field of a task."""
+    """Return a function that takes an array as a field of a task."""
 
     def take(controller, value):
         data = {**CART, "tube": {**CART["tube"]}, "control": {}}
@@ -507,7 +514,7 @@ def task_with(*path: str, table: dict | None = None):
 
 
 def task_with_set(**fields):
-    """Takes an array as a field of an unsafe set."""
+    """Return a function that takes an array as a field of an unsafe set."""
 
     def take(controller, value):
         return stt.Task(**{**CART, "unsafe": [{k: value if v is None else v for k, v in fields.items()}]})
@@ -516,11 +523,11 @@ def task_with_set(**fields):
 
 
 def plant_with(f=None, g=None):
-    """Takes an array as what a plant's function gives."""
+    """Return a function that takes an array as the value of a plant's function."""
     from stt_codegen.plants import Plant, model
 
     def take(controller, value):
-        plant = Plant(name="own", dimension=2, drift=f or (lambda x: value), input_matrix=g or (lambda x: value))
+        plant = Plant(name="user_plant", dimension=2, drift=f or (lambda x: value), input_matrix=g or (lambda x: value))
         return model(plant, 2)(STATES[0])
 
     return take
@@ -529,7 +536,7 @@ def plant_with(f=None, g=None):
 TIMES = np.array([0.0, 2.0, 6.0])
 EDGES = STATES - 0.2
 EYE = np.array([[1.0, 0.5], [0.25, 1.0]])
-# by name: what takes an array, and one that it takes
+# By name: a function that takes an array, and an array that it accepts.
 ENTRIES = {
     "initial_state": (task_with("initial_state"), STATES[0]),
     "state_space.upper": (task_with("state_space", "upper"), np.array([4.0, 3.0])),
@@ -569,7 +576,7 @@ ENTRIES = {
     "a plant's f": (plant_with(g=lambda x: [[1, 0], [0, 1]]), np.array([0.5, 0.25])),
     "a plant's g": (plant_with(f=lambda x: [0, 0]), EYE),
 }
-CERTIFIED = {  # the public face of four of them
+CERTIFIED = {  # the public function for four of them
     "points": lambda c, v: stt.certify_tube(c.task, points=v, uncertified=True),
     "samples, t": lambda c, v: stt.certify_tube(c.task, samples=(v, LOW, HIGH), uncertified=True),
     "samples, lower": lambda c, v: stt.certify_tube(c.task, samples=(T, v, HIGH), uncertified=True),
@@ -579,7 +586,7 @@ EMITTED = {"tube", "tube_rate", "control, t", "control, x", "margin, t", "margin
 
 
 @pytest.mark.parametrize("name", ENTRIES)
-def test_what_is_no_array_of_real_numbers_is_refused_wherever_an_array_goes(controller, name: str) -> None:
+def test_every_entry_refuses_values_that_are_no_arrays_of_real_numbers(controller, name: str) -> None:
     take, good = ENTRIES[name]
     wrong = {**NO_ARRAYS, **({} if name in EMITTED else NOT_FINITE)}
     for kind, spoil in wrong.items():
@@ -589,28 +596,28 @@ def test_what_is_no_array_of_real_numbers_is_refused_wherever_an_array_goes(cont
             CERTIFIED.get(name, take)(controller, spoil(good))
         except stt.BadInput as refusal:
             assert "\n" not in str(refusal), (kind, refusal)
-            assert ";" in str(refusal) or "(" in str(refusal), (kind, refusal)  # what would be right
+            assert ";" in str(refusal) or "(" in str(refusal), (kind, refusal)  # the remedy
         else:
             pytest.fail(f"{name}: took {kind}: {spoil(good)!r}")
 
 
 @pytest.mark.parametrize("name", ENTRIES)
-def test_whatever_is_like_an_array_means_what_the_array_means(controller, name: str) -> None:
-    """Numbers of few bits, so that those of 32 are the same."""
+def test_every_entry_takes_array_likes_as_the_same_array(controller, name: str) -> None:
+    """Numbers have few bits, so that floats of 32 bits represent them."""
     take, good = ENTRIES[name]
     good = np.round(good * 64) / 64 if good is not T else good
 
-    wanted = repr(take(controller, good))
+    expected = repr(take(controller, good))
     for kind, like in LIKE_ARRAYS.items():
         if kind == "floats of 32 bits" and good is T:
-            continue  # whose last time would not be t_c
-        assert repr(take(controller, like(good))) == wanted, kind
+            continue  # its last time would not be t_c
+        assert repr(take(controller, like(good))) == expected, kind
     if name not in ("samples, t", "samples, lower", "samples, upper") and (good == good.astype(int)).all():
-        assert repr(take(controller, good.astype(int))) == wanted
+        assert repr(take(controller, good.astype(int))) == expected
 
 
 @pytest.mark.parametrize(
-    ("samples", "told"),
+    ("samples", "message"),
     [
         ((T, LOW), "three arrays"),
         ((T, LOW, HIGH, HIGH), "three arrays"),
@@ -626,8 +633,8 @@ def test_whatever_is_like_an_array_means_what_the_array_means(controller, name: 
         ((3.0, LOW, HIGH), "shape"),
     ],
 )
-def test_samples_are_three_arrays_over_rising_times(samples, told) -> None:
-    with pytest.raises(stt.BadInput, match=told):
+def test_samples_are_three_arrays_over_rising_times(samples, message) -> None:
+    with pytest.raises(stt.BadInput, match=message):
         stt.certify_tube(stt.Task(**CART), samples=samples)
 
 
@@ -640,13 +647,13 @@ def test_a_start_that_is_no_array_of_real_numbers_is_refused(controller, spoil, 
 
 @pytest.mark.parametrize("name", ["rate", "strength", "noise", "latency", "lag", "noise_v", "lost", "seed"])
 @pytest.mark.parametrize("value", [1j, "2", None, True, [1.0], np.ma.masked, float("nan"), -1.0])
-def test_a_number_of_a_scenario_that_is_none_is_refused(controller, name: str, value) -> None:
+def test_a_malformed_number_of_a_scenario_is_refused(controller, name: str, value) -> None:
     with pytest.raises(stt.BadInput):
         controller.simulate(**{name: value})
 
 
-def test_what_is_not_built_is_not_certified() -> None:
-    """A period is proved for refined tubes alone: no certificate without P9 may hold for an adaptive one."""
+def test_a_period_for_an_adaptive_tube_is_refused_by_build_and_certify() -> None:
+    """A period is proved for refined tubes only, so that no certificate without P9 may hold for an adaptive tube."""
     task = stt.load(ROOT / "tasks" / "omni_s1.toml").changed(tube={"design": "adaptive"})
     tube = stt.design(task)
     for refuse in (stt.build, lambda sampled: stt.certify(sampled, tube)):
@@ -654,8 +661,8 @@ def test_what_is_not_built_is_not_certified() -> None:
             refuse(task.changed(control={"period": Fraction(1, 2)}))
 
 
-def test_a_tube_that_was_designed_for_another_kind_of_task_is_refused() -> None:
-    """What a certificate must prove follows from the task: a tube of another kind, size, order or time would be asked for less."""
+def test_a_tube_of_another_kind_size_order_or_time_is_refused() -> None:
+    """The task decides what a certificate must prove, so that a tube of another task could be certified for less."""
     tube = stt.design(ROOT / "tasks" / "omni_s1.toml")
     task = stt.load(ROOT / "tasks" / "omni_s1.toml")
     for changed, problem in (

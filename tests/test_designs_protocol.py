@@ -1,6 +1,6 @@
-"""A design answers for itself: outside of designs/ nobody asks of which class it is or compares the name of its kind.
+"""Outside of designs/ no code tests the class of a design or compares the name of its kind.
 
-What must differ by kind stands in tables whose keys are kinds. A fourth kind is a row of design_kinds.py, a class in designs/ and one
+Where behaviour differs by kind, it is in a table whose keys are kinds. A fourth kind is a row of design_kinds.py, a class in designs/ and one
 entry in each of TABLES; these tests name what is missing. tests/recipes follows that recipe with a sample.
 """
 
@@ -32,7 +32,7 @@ from tests.support.design_kinds import (
 from tests.support.mypy_records import reads_of, run_mypy
 
 PACKAGE = ROOT / "stt_codegen"
-# What differs by kind, each in one place. `Stages`: how a tube is designed, programmed and certified.
+# Tables of behaviour by kind. `Stages` has the functions that design, program and certify a tube.
 TABLES = {
     "stt_codegen/compare/comparison.py: BY_KIND",
     "stt_codegen/design_kinds.py: CAPABILITIES",
@@ -42,7 +42,7 @@ TABLES = {
     "stt_codegen/report/analysis.py: READINGS",
     "benchmarks/suites/printed.py: WORDS",
 }
-# Where the name of a kind is written beside the tables, and what it is there.
+# Files outside the tables that write the name of a kind, and its meaning there.
 WRITTEN = {
     "certify/__init__.py": "a sub-room",
     "certify/checker.py": "the name in a certificate; the checker imports nothing of the package",
@@ -63,12 +63,12 @@ def sources() -> dict[str, str]:
 
 def source_of(name: str, text: str, is_read: IsRead = is_called_a_kind) -> Source:
     """Return a source of the package, with the tables that it defines and those that it may look a kind up in."""
-    own = {table.split(": ")[1] for table in TABLES if table.startswith(f"stt_codegen/{name}: ")}
-    return Source(text, own, {table.split(": ")[1] for table in TABLES}, is_read)
+    defined = {table.split(": ")[1] for table in TABLES if table.startswith(f"stt_codegen/{name}: ")}
+    return Source(text, defined, {table.split(": ")[1] for table in TABLES}, is_read)
 
 
 def recorded(path: Path) -> IsRead:
-    """Return whether mypy recorded an attribute of a source as the name of a kind."""
+    """Return the function that says whether mypy recorded an attribute of a source as the name of a kind."""
     reads = reads_of(ROOT, path)
     if reads is None:
         return is_called_a_kind
@@ -78,12 +78,12 @@ def recorded(path: Path) -> IsRead:
 
 
 def questions(text: str) -> list[tuple[int, str]]:
-    """Return what a source asks that stands alone, where `.kind` is always that of a design and BY_KIND is a table."""
+    """Return line and text of every question of kind in a single source, where `.kind` is always that of a design and BY_KIND a table."""
     return list(Source(text, {"BY_KIND"}, {"BY_KIND"}).questions())
 
 
 @pytest.mark.xdist_group("unused")
-def test_nobody_asks_of_which_kind_a_design_is() -> None:
+def test_no_source_asks_for_the_kind_of_a_design() -> None:
     run_mypy(ROOT)
     questions_by_file = {
         name: [
@@ -107,7 +107,7 @@ def test_names_of_kinds_are_written_where_the_list_says() -> None:
 
 
 def test_mypy_records_where_the_name_of_a_kind_is_read() -> None:
-    """The records have the names that the law looks for: a class that moves must not make it blind."""
+    """Records have the full names that the law looks for, so that a class that moves makes this test fail."""
     run_mypy(ROOT)
     reads = reads_of(ROOT, PACKAGE / "pipeline.py")
     assert reads is not None
@@ -141,8 +141,8 @@ def test_no_template_compares_the_name_of_a_kind() -> None:
         ("{% if is_stateful %}a literal is a number{% endif %}", False),
     ],
 )
-def test_a_comparison_in_a_template_is_seen(text: str, is_seen: bool) -> None:
-    assert bool(IN_A_TEMPLATE.search(text)) == is_seen
+def test_a_comparison_in_a_template_is_reported(text: str, is_reported: bool) -> None:
+    assert bool(IN_A_TEMPLATE.search(text)) == is_reported
 
 
 def test_no_benchmark_compares_kinds_or_lists_them() -> None:
@@ -189,7 +189,7 @@ def test_no_benchmark_compares_kinds_or_lists_them() -> None:
         "@singledispatch\ndef f(design: RefinedDesign): ...",
     ],
 )
-def test_a_question_of_kind_is_seen(text: str) -> None:
+def test_a_question_of_kind_is_reported(text: str) -> None:
     assert questions(text)
 
 
@@ -207,7 +207,7 @@ def test_a_question_of_kind_is_seen(text: str) -> None:
         "spline = require_refined(design)",
     ],
 )
-def test_what_is_no_question_of_kind_passes(text: str) -> None:
+def test_code_without_a_question_of_kind_passes(text: str) -> None:
     assert questions(text) == []
 
 
@@ -236,7 +236,7 @@ def test_every_kind_has_an_entry_in_each_table() -> None:
 
 @pytest.mark.parametrize("kind", sorted(KINDS))
 def test_a_design_of_every_kind_answers(kind: DesignKind) -> None:
-    """mypy holds the classes to the protocol; here the answers agree with the task and with each other."""
+    """mypy checks the classes against the protocol; this test compares their values with the task."""
     task = load_task(ROOT / "tasks" / "omni_s2.toml").with_options(kind)
     design: Design = design_tube(task)
     assert design.kind == kind
@@ -248,7 +248,7 @@ def test_a_design_of_every_kind_answers(kind: DesignKind) -> None:
     times = np.linspace(0.0, float(task.prescribed_time), 401)
     low, high = design.edges_at(times)
     assert low.shape == high.shape == (len(times), task.dimension)
-    for edge, sign, end in ((low, 1, task.start.lower), (high, -1, task.start.upper)):  # inwards, or on it
+    for edge, sign, end in ((low, 1, task.start.lower), (high, -1, task.start.upper)):  # at the bound, or within it
         assert (sign * (edge[0] - [float(v) for v in end]) >= -1e-6).all()
     assert (low < high).all()
 
@@ -266,7 +266,7 @@ def test_a_design_of_another_class_is_refused(kind: DesignKind) -> None:
 
 
 def test_a_capability_is_asked_for_by_somebody_and_offered_by_some_kind() -> None:
-    """A column in which all rows agree says nothing about kinds."""
+    """A capability is useful only if kinds differ in it and some code reads it."""
     rows = [vars(row) for row in CAPABILITIES.values()]
     assert [name for name in Capabilities.__dataclass_fields__ if len({row[name] for row in rows}) == 1] == []
     read = "\n".join(text for name, text in sources().items() if name != "design_kinds.py")

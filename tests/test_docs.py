@@ -1,4 +1,4 @@
-"""What the documents show is what happens: commands of docs/board.md print what stands there, its C compiles strictly."""
+"""Examples of the documents are correct: commands print the output that a page shows, its C compiles strictly, and its loops run."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ GCC = "12.2"  # the counts on the page are of this compiler
 
 
 def steps(page: str = PAGE) -> list[tuple[str, str]]:
-    """Every command of the page, in order, with what it prints."""
+    """Return every command of a page, in order, with the output that the page shows."""
     blocks = re.findall(r"^```console\n(.*?)^```", page, re.M | re.S)
     return [(c, out) for block in blocks for c, out in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", block, re.M)]
 
@@ -36,10 +36,10 @@ def test_every_command_prints_what_the_page_shows(folder: Path, tool) -> None:
     for name in ("arm-none-eabi-gcc", "qemu-system-arm"):
         tool(name)
     version = subprocess.run(["arm-none-eabi-gcc", "-dumpversion"], capture_output=True, text=True, check=True).stdout
-    found = steps()
-    assert len(found) == 7
+    commands = steps()
+    assert len(commands) == 7
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    for command, shown in found:
+    for command, shown in commands:
         result = subprocess.run(
             command, shell=True, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True, text=True, check=False
         )
@@ -62,15 +62,17 @@ def test_the_pages_loops_compile_for_their_boards_without_a_warning(
 ) -> None:
     source = re.findall(r"^```c\n(.*?)^```", PAGE, re.M | re.S)[which]
     shutil.copytree(ROOT / "generated" / name / "refined" / scalar, folder / "firmware")
-    own = "void SysTick_Handler(void);\n" if which == 0 else "void every_millisecond(void);\n"  # declared where it is called
-    (folder / "firmware" / "main.c").write_text(own + source)
+    declaration = (
+        "void SysTick_Handler(void);\n" if which == 0 else "void every_millisecond(void);\n"
+    )  # the page calls it elsewhere
+    (folder / "firmware" / "main.c").write_text(declaration + source)
     flags = [v for v in STRICT if v != "-Wcast-qual"]
     for file in ("main.c", f"{name}.c", f"{name}_selftest.c"):
         subprocess.run([tool("arm-none-eabi-gcc"), *board, *flags, "-c", file], cwd=folder / "firmware", check=True)
 
 
 README = (ROOT / "README.md").read_text()
-# Of a document's loop: its clock, the function that a timer calls, and yours: what it calls, by prototype.
+# By name of a document's loop: its clock, the function that a timer calls, and bodies by prototype of the user's functions that it calls.
 LOOPS = {
     "cart": (
         "uint64_t clock_us(void)",
@@ -81,7 +83,7 @@ LOOPS = {
             "void drive(const float u[2])": "",
             "void stop(void)": "",
             "void stand(void)": "",
-            "bool cart_covered(const float x[2])": "return ++asked > UNCOVERED;",
+            "bool cart_covered(const float x[2])": "return ++covered_calls > UNCOVERED;",
             "void warn(void)": "warnings++;",
         },
     ),
@@ -90,7 +92,7 @@ LOOPS = {
         "every_millisecond",
         {
             "gantry_status gantry_control(uint32_t t, const int32_t x[2], int32_t u[2])": "u[0] = u[1] = 0; called = t; return GANTRY_OK;",
-            "bool gantry_covered(const int32_t x[2])": "return ++asked > UNCOVERED;",
+            "bool gantry_covered(const int32_t x[2])": "return ++covered_calls > UNCOVERED;",
             "int32_t gantry_margin(uint32_t t, const int32_t x[2])": "return 32768;",
             "void read_steps(int32_t steps[2])": "steps[0] = steps[1] = 0;",
             "void set_speeds(const int32_t u[2])": "",
@@ -99,10 +101,10 @@ LOOPS = {
     ),
 }
 WORLD = """#include <stdio.h>
-static uint64_t world = 4294967296U - 2000U; /* microseconds: 32 bits turn over at once */
+static uint64_t world = 4294967296U - 2000U; /* microseconds: 32 bits overflow soon */
 static double called = -1;
-static int warnings, asked;
-enum { UNCOVERED = 2 }; /* samples at which no start is covered */
+static int warnings, covered_calls;
+enum { UNCOVERED = 2 }; /* the first samples, whose start is not covered */
 int main(void)
 {
     const uint64_t begin = world;
@@ -123,8 +125,8 @@ def rows_of(text: str) -> list[list[float]]:
 
 @pytest.mark.parametrize("name", LOOPS)
 def test_a_documents_loop_takes_its_time_from_the_clock(name: str, tmp_path: Path, tool) -> None:
-    """Interrupts come 1 ms apart or are lost, by the thousand too; what is called has the clock's time since the first start that is
-    covered, and a late one warns. At a start that is not covered nothing is called."""
+    """Interrupts come 1 ms apart or are lost, up to thousands of them. The controller gets the clock's time since the first covered start,
+    and a late sample warns. It is not called at a start that is not covered."""
     page = {"cart": README, "gantry": PAGE}[name]
     loop = next(c for c in re.findall(r"^```c\n(.*?)^```", page, re.M | re.S) if f'#include "{name}.h"' in c)
     task = (
@@ -133,9 +135,11 @@ def test_a_documents_loop_takes_its_time_from_the_clock(name: str, tmp_path: Pat
         else load_task(ROOT / "tasks/gantry.toml")
     )
     (tmp_path / f"{name}.h").write_bytes(built(task).files[f"{name}.h"])
-    clock, step, yours = LOOPS[name]
-    declared = f'#include <stdint.h>\n#include "{name}.h"\n' + "".join(f"{f};\n" for f in (clock, f"void {step}(void)", *yours))
-    bodies = yours | {clock: f"return ({clock.split()[0]})world;"}
+    clock, step, user_functions = LOOPS[name]
+    declared = f'#include <stdint.h>\n#include "{name}.h"\n' + "".join(
+        f"{f};\n" for f in (clock, f"void {step}(void)", *user_functions)
+    )
+    bodies = user_functions | {clock: f"return ({clock.split()[0]})world;"}
     defined = "\n".join(f"{f} {{ {body} }}" for f, body in bodies.items())
     (tmp_path / "main.c").write_text(declared + loop + WORLD.replace("STEP", step).replace("int main", f"{defined}\nint main"))
     flags = [f for f in STRICT if f not in ("-Wcast-qual", "-Wmissing-prototypes", "-Wunused-parameter")]
@@ -144,14 +148,14 @@ def test_a_documents_loop_takes_its_time_from_the_clock(name: str, tmp_path: Pat
     if name == "gantry":
         gaps = [0, *[1000, 999, 1001] * 20, 10_000, 1000, 10_001, *[1000, 1065] * 200, 2_000_000, 1000]
     first_late = gaps.index(5001 if name == "cart" else 10_001)
-    told = subprocess.run(
+    output = subprocess.run(
         ["./loop"], cwd=tmp_path, input="\n".join(map(str, [700, 90_000, *gaps])), capture_output=True, text=True, check=True
     ).stdout
-    uncovered, rows = rows_of(told)[:2], rows_of(told)[2:]
+    uncovered, rows = rows_of(output)[:2], rows_of(output)[2:]
     assert [called for _, called, _ in uncovered] == [-1, -1]
     assert len(rows) == len(gaps)
-    begun, quiet = rows[0][0], uncovered[-1][2]  # a loop may warn while it waits
-    rows = [(now - begun, called, warnings - quiet) for now, called, warnings in rows]
+    begin, earlier_warnings = rows[0][0], uncovered[-1][2]  # a loop may warn while it waits
+    rows = [(now - begin, called, warnings - earlier_warnings) for now, called, warnings in rows]
     for k, (now, called, warnings) in enumerate(rows):
         if name == "cart":
             assert called == pytest.approx(now * 1e-6, rel=3.01 * 2.0**-24)  # three roundings to a float
@@ -163,17 +167,17 @@ def test_a_documents_loop_takes_its_time_from_the_clock(name: str, tmp_path: Pat
 def test_the_page_on_lemmas_shows_what_design_prints_and_a_plant_that_works(folder: Path) -> None:
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     ((command, shown),) = steps(LEMMAS)
-    ran = subprocess.run(
+    result = subprocess.run(
         command, shell=True, check=False, cwd=folder, capture_output=True, text=True, env={**os.environ, "PATH": path}
     )
-    assert ran.stdout == shown
+    assert result.stdout == shown
     (source,) = re.findall(r"^```python\n(.*?)^```", LEMMAS, re.M | re.S)
     (folder / "mine.py").write_text(source)
     command = "stt-codegen prove tasks/omni_s3.toml --plant mine.py"
-    ran = subprocess.run(
+    result = subprocess.run(
         command, shell=True, check=False, cwd=folder, capture_output=True, text=True, env={**os.environ, "PATH": path}
     )
-    assert ran.returncode == 0, ran.stdout + ran.stderr
+    assert result.returncode == 0, result.stdout + result.stderr
 
 
 @pytest.mark.parametrize("page", ["docs/loop.md", "docs/loop_example.py"])
@@ -181,8 +185,8 @@ def test_the_closed_loop_in_python_control_ends_in_the_target(page: str) -> None
     text = (ROOT / page).read_text()
     source = text if page.endswith(".py") else re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)[0]
     source = source.replace("__file__", repr(str(ROOT / page)))
-    ran = subprocess.run([sys.executable, "-c", source], check=False, cwd=ROOT, capture_output=True, text=True)
-    assert ran.returncode == 0, ran.stderr
-    x1, x2 = (float(v) for v in re.findall(r"\d\.\d+", ran.stdout)[:2])
+    result = subprocess.run([sys.executable, "-c", source], check=False, cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    x1, x2 = (float(v) for v in re.findall(r"\d\.\d+", result.stdout)[:2])
     assert 4.5 <= x1 <= 5.0
     assert 4.5 <= x2 <= 5.0

@@ -1,7 +1,7 @@
-"""Rooms and faces: what others import from a room stands in its `__init__.py`, and a room can be held in the head.
+"""Rooms and faces: other folders import from a room only what its `__init__.py` lists, and a room has a limited size.
 
-A room is a folder of the package. Its face is the `__all__` of its `__init__.py`: names, sub-rooms, and modules that others may look
-inside as a whole (the paper's equations, what the lemma book runs, what is heavy to import). Tests and benchmarks look where they like.
+A room is a folder of the package. Its face is the `__all__` of its `__init__.py`: names, sub-rooms, and modules that others may import
+as a module (the paper's equations, modules for the lemma book, modules that are slow to import). Tests and benchmarks may import anything.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import pytest
 from tests.support.controllers import ROOT
 
 PACKAGE = ROOT / "stt_codegen"
-FILES_OF_A_ROOM = 10  # beside its __init__.py; with more it has sub-rooms
+FILES_OF_A_ROOM = 10  # without its __init__.py; with more files it has sub-rooms
 LINES_OF_A_ROOM = 4000  # with its sub-rooms; with more its docstring has a sentence that begins "Large because"
 
 
@@ -41,7 +41,7 @@ def face_of(text: str) -> set[str]:
 
 
 def imported(text: str, modules: set[str]) -> Iterator[tuple[str, str, int]]:
-    """Every name that a file imports from `modules`: the module, the name, the line. A whole module has the name ""."""
+    """Yield module, name and line of every name that a file imports from `modules`; an imported module has the name ""."""
     for node in ast.walk(parsed(text)):
         if isinstance(node, ast.Import):
             yield from ((a.name, "", node.lineno) for a in node.names if a.name in modules)
@@ -52,7 +52,7 @@ def imported(text: str, modules: set[str]) -> Iterator[tuple[str, str, int]]:
 
 
 def read_of_modules(text: str, modules: set[str]) -> Iterator[tuple[str, int]]:
-    """Every dotted name `a.b.c` of a file whose `a` is a module that the file imports, written out, with the line."""
+    """Yield every dotted name `a.b.c` of a file, with its line, where `a` is an imported module; `a` is written in full."""
     tree = parsed(text)
     modules_by_name: dict[str, str] = {}
     for node in ast.walk(tree):
@@ -72,59 +72,61 @@ def read_of_modules(text: str, modules: set[str]) -> Iterator[tuple[str, int]]:
             yield ".".join([modules_by_name[value.id], *attributes]), node.lineno
 
 
-def names_that_are_modules_too(text: str, room: str, modules: set[str]) -> set[str]:
-    """Names that a face takes from a module of the same name: what others get is the name, and the module stays inside."""
-    nodes = [n for n in parsed(text).body if isinstance(n, ast.ImportFrom) and n.module != room]
+def names_that_are_modules_too(text: str, folder: str, modules: set[str]) -> set[str]:
+    """Return names that a face imports from a module of the same name; others see the name, and not the module."""
+    nodes = [n for n in parsed(text).body if isinstance(n, ast.ImportFrom) and n.module != folder]
     return {a.asname or a.name for n in nodes for a in n.names if f"{n.module}.{a.name}" not in modules} & {
-        m.removeprefix(f"{room}.") for m in modules
+        m.removeprefix(f"{folder}.") for m in modules
     }
 
 
 def is_beside(importer: str, module: str) -> bool:
-    """Whether a file is in the folder of a module that is in a room."""
+    """Return whether a file is in the folder of a module that is in a room."""
     folder = module.rpartition(".")[0]
     return "." in folder and importer.startswith(folder + ".")
 
 
-def past_a_face(sources: dict[str, str], rooms: set[str]) -> tuple[list[str], dict[str, set[str]]]:
-    """Imports and attributes that go past a face, and what every face is used for from outside."""
-    faces = {room: face_of(sources[room]) for room in rooms}
-    not_to_enter = {room: names_that_are_modules_too(sources[room], room, set(sources)) for room in rooms}
+def bypassed_faces(sources: dict[str, str], rooms: set[str]) -> tuple[list[str], dict[str, set[str]]]:
+    """Return messages about imports and attributes that bypass a face, and the names that others use of every face."""
+    faces = {folder: face_of(sources[folder]) for folder in rooms}
+    not_to_enter = {folder: names_that_are_modules_too(sources[folder], folder, set(sources)) for folder in rooms}
     breaches: list[str] = []
-    used: dict[str, set[str]] = {room: set() for room in rooms}
+    used: dict[str, set[str]] = {folder: set() for folder in rooms}
     for importer, text in sources.items():
         reads = [(".".join(filter(None, [m, name])), line) for m, name, line in imported(text, set(sources))]
         for full, line in [*reads, *read_of_modules(text, set(sources))]:
             steps, before = full.split("."), len(breaches)
             for depth in range(1, len(steps)):
-                room, step = ".".join(steps[:depth]), steps[depth]
-                if importer == room or importer.startswith(room + "."):
+                folder, step = ".".join(steps[:depth]), steps[depth]
+                if importer == folder or importer.startswith(folder + "."):
                     continue
-                if step.startswith("_") and not step.endswith("__") and room in sources and not is_beside(importer, room):
-                    breaches.append(f"{importer}, line {line}: imports {step}, which is private to {room}")
-                if room not in rooms:
+                if step.startswith("_") and not step.endswith("__") and folder in sources and not is_beside(importer, folder):
+                    breaches.append(f"{importer}, line {line}: imports {step}, which is private to {folder}")
+                if folder not in rooms:
                     continue
-                used[room].add(step)
-                if step not in faces[room]:
-                    breaches.append(f"{importer}, line {line}: imports {full}, but {step} is not in the face of {room}")
-                elif step in not_to_enter[room] and depth + 1 < len(steps) and (full, line) in reads:
-                    breaches.append(f"{importer}, line {line}: imports {full}, but the face of {room} has {step} as a name")
+                used[folder].add(step)
+                if step not in faces[folder]:
+                    breaches.append(f"{importer}, line {line}: imports {full}, but {step} is not in the face of {folder}")
+                elif step in not_to_enter[folder] and depth + 1 < len(steps) and (full, line) in reads:
+                    breaches.append(f"{importer}, line {line}: imports {full}, but the face of {folder} has {step} as a name")
             del breaches[before + 1 :]
     return list(dict.fromkeys(breaches)), used
 
 
 @functools.cache
-def of_the_package() -> tuple[list[str], dict[str, set[str]]]:
-    return past_a_face(SOURCES, ROOMS)
+def faces_of_the_package() -> tuple[list[str], dict[str, set[str]]]:
+    return bypassed_faces(SOURCES, ROOMS)
 
 
 def test_imports_go_through_faces() -> None:
-    assert of_the_package()[0] == []
+    assert faces_of_the_package()[0] == []
 
 
 def test_a_face_lists_what_others_import_and_no_more() -> None:
-    used = of_the_package()[1]
-    assert {room: face_of(SOURCES[room]) - used[room] for room in sorted(ROOMS) if face_of(SOURCES[room]) - used[room]} == {}
+    used = faces_of_the_package()[1]
+    assert {
+        folder: face_of(SOURCES[folder]) - used[folder] for folder in sorted(ROOMS) if face_of(SOURCES[folder]) - used[folder]
+    } == {}
 
 
 @pytest.mark.parametrize(
@@ -152,50 +154,50 @@ def test_a_face_lists_what_others_import_and_no_more() -> None:
         ),
     ],
 )
-def test_an_import_past_a_face_is_named(files: dict[str, str], message: str) -> None:
-    rooms = {name for name in files if any(other.startswith(name + ".") for other in files)} | {
+def test_an_import_that_bypasses_a_face_is_reported(files: dict[str, str], message: str) -> None:
+    rooms = {name for name in files if any(path.startswith(name + ".") for path in files)} | {
         n for n in files if "__all__" in files[n]
     }
-    assert any(message in line for line in past_a_face(files, rooms)[0])
+    assert any(message in line for line in bypassed_faces(files, rooms)[0])
 
 
-def test_rooms_look_inside_themselves_as_they_like() -> None:
+def test_imports_within_a_room_need_no_face() -> None:
     files = {"p.a": '__all__ = ["f"]', "p.a.m": "from p.a.n import g", "p.a.n": "", "p.b": "from p.a import f"}
-    assert past_a_face(files, {"p.a", "p.b"})[0] == []
+    assert bypassed_faces(files, {"p.a", "p.b"})[0] == []
 
 
 def too_large(files: dict[str, str]) -> list[str]:
-    """Rooms of too many files, and rooms of too many lines whose docstring gives no reason. files: the text by path."""
+    """Return messages about rooms with too many files, or with too many lines and no reason in the docstring; files are texts by path."""
     messages = []
-    for room in sorted({path.rsplit("/", 1)[0] for path in files}):
-        here = [path for path in files if path.rsplit("/", 1)[0] == room and not path.endswith("/__init__.py")]
-        lines = sum(len(text.splitlines()) for path, text in files.items() if path.startswith(room + "/"))
-        if len(here) > FILES_OF_A_ROOM:
-            messages.append(f"{room}: {len(here)} files; {FILES_OF_A_ROOM} at the most, make sub-rooms")
+    for folder in sorted({path.rsplit("/", 1)[0] for path in files}):
+        paths = [path for path in files if path.rsplit("/", 1)[0] == folder and not path.endswith("/__init__.py")]
+        lines = sum(len(text.splitlines()) for path, text in files.items() if path.startswith(folder + "/"))
+        if len(paths) > FILES_OF_A_ROOM:
+            messages.append(f"{folder}: {len(paths)} files; at most {FILES_OF_A_ROOM} are allowed, make sub-rooms")
         if (
             lines > LINES_OF_A_ROOM
-            and "/" in room
-            and "Large because" not in (ast.get_docstring(ast.parse(files[room + "/__init__.py"])) or "")
+            and "/" in folder
+            and "Large because" not in (ast.get_docstring(ast.parse(files[folder + "/__init__.py"])) or "")
         ):
-            messages.append(f"{room}: {lines} lines; over {LINES_OF_A_ROOM} its docstring says why")
+            messages.append(f"{folder}: {lines} lines; over {LINES_OF_A_ROOM} its docstring says why")
     return messages
 
 
-def test_a_room_can_be_held_in_the_head() -> None:
+def test_no_room_is_too_large() -> None:
     assert too_large({str(p.relative_to(ROOT)): p.read_text() for p in PACKAGE.rglob("*.py")}) == []
 
 
-def test_a_room_that_is_too_large_is_named() -> None:
+def test_a_room_that_is_too_large_is_reported() -> None:
     small = {f"p/a/{k}.py": "" for k in range(FILES_OF_A_ROOM)} | {"p/a/__init__.py": ""}
     assert too_large(small) == []
-    assert too_large(small | {"p/a/more.py": ""}) == ["p/a: 11 files; 10 at the most, make sub-rooms"]
+    assert too_large(small | {"p/a/more.py": ""}) == ["p/a: 11 files; at most 10 are allowed, make sub-rooms"]
     long = small | {"p/a/s/long.py": "x = 1\n" * (LINES_OF_A_ROOM + 1), "p/a/s/__init__.py": '"""Large because of a table."""'}
     assert [line.split(":")[0] for line in too_large(long)] == ["p/a"]
 
 
-def test_every_folder_says_what_it_is() -> None:
-    """The docstring of an `__init__.py` is a sentence, so that a listing of the faces is the map of the house. A folder without that
-    file would be no room, and have no face to go past."""
+def test_every_folder_has_a_docstring() -> None:
+    """The docstring of an `__init__.py` is a sentence, so that a listing of them describes the package. A folder without that file would
+    not be checked as a room."""
     folders = {p.parent for top in (PACKAGE, ROOT / "benchmarks") for p in top.rglob("*.py")}
     assert [str(folder) for folder in sorted(folders) if not (folder / "__init__.py").is_file()] == []
     docstrings = {folder: ast.get_docstring(ast.parse((folder / "__init__.py").read_text())) or "" for folder in folders}

@@ -1,4 +1,4 @@
-"""The ten properties stand in one place: nobody else spells a code, and a message has the word with it."""
+"""The ten properties are defined in one file: no other file spells a code, and messages have word and code."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ALONE = re.compile(rf"^{CODE.pattern}$")
 
 
 def strings(text: str) -> Iterator[tuple[int, str]]:
-    """Every string of a source that is no docstring, with its line."""
+    """Yield line and value of every string of a source that is no docstring."""
     tree = ast.parse(text)
     bodies = [n.body for n in ast.walk(tree) if isinstance(n, ast.Module | ast.ClassDef | ast.FunctionDef)]
     docstrings = {id(body[0].value) for body in bodies if body and isinstance(body[0], ast.Expr)}
@@ -32,7 +32,7 @@ def strings(text: str) -> Iterator[tuple[int, str]]:
 
 
 def spelled_codes(path: str, text: str) -> list[str]:
-    """Where a source spells a code: as a string of its own, or, where it is no prose of the lemma book, within one."""
+    """Return where a source spells a code as a string, or, outside the prose of the lemma book, within a string."""
     pattern = ALONE if path.startswith(PROSE) else CODE
     spelled = [f"{path}, line {line}: {value}" for line, value in strings(text) if pattern.search(value)]
     return spelled + [f"{path}, line {line}: P and a number put together" for line in composed_codes(text)]
@@ -67,7 +67,7 @@ def test_no_source_spells_a_code() -> None:
         ("report/page.py", 'f"STEP{9} MP{n}"', 0),
     ],
 )
-def test_a_spelled_code_is_named(path: str, text: str, count: int) -> None:
+def test_a_spelled_code_is_reported(path: str, text: str, count: int) -> None:
     assert len(spelled_codes(path, text)) == count
 
 
@@ -83,11 +83,11 @@ def test_codes_are_p1_to_p10_and_words_are_the_glossary_s() -> None:
         assert not p.advice.endswith(".")
 
 
-def test_the_checker_knows_the_same_codes() -> None:
-    """It shares no code with the package, so that both spell the same codes is a law of its own."""
+def test_the_checker_has_the_same_codes() -> None:
+    """The checker imports nothing of the package, so that this must be tested."""
     checker = (PACKAGE / "certify" / "checker.py").read_text()
-    alone = {value for _, value in strings(checker) if ALONE.search(value)}
-    assert alone == {p.code for p in Property}
+    codes = {value for _, value in strings(checker) if ALONE.search(value)}
+    assert codes == {p.code for p in Property}
 
 
 def failing(subject: Property, margin: int = -1, required: int = 0, **changes: object) -> Finding:
@@ -106,23 +106,23 @@ def certificate(*findings: Finding) -> Certificate:
 
 
 @pytest.mark.parametrize("subject", Property)
-def test_a_refusal_has_word_and_code_and_what_to_do(subject: Property) -> None:
-    """What a finding advises; where it has nothing of its own, what the property does. A time has its unit."""
-    told = certificate(failing(subject)).refusal()
-    if subject is Property.ARITHMETIC:  # is named where nothing else fails
-        told = certificate(failing(subject, 0, 1)).refusal()
-    assert told == f"{subject.label}: fails by 1{' s' if subject.unit == SECONDS else ''}; {subject.advice}"
+def test_a_refusal_has_word_code_and_advice(subject: Property) -> None:
+    """A refusal has the advice of the finding, or by default that of the property. A time has its unit."""
+    message = certificate(failing(subject)).refusal()
+    if subject is Property.ARITHMETIC:  # it is named only if no other property fails
+        message = certificate(failing(subject, 0, 1)).refusal()
+    assert message == f"{subject.label}: fails by 1{' s' if subject.unit == SECONDS else ''}; {subject.advice}"
     assert certificate(failing(subject, 0, 1, advice="do that")).refusal().endswith("; do that")
 
 
-def test_what_only_the_arithmetic_takes_is_mended_by_more_room() -> None:
-    """Of properties of the edges alone: what their exact tube keeps is advised as the arithmetic's finding says."""
+def test_a_margin_lost_to_rounding_gets_the_advice_of_the_arithmetic() -> None:
+    """This holds for properties of the edges that the exact tube has; other properties keep their advice."""
     for subject in Property:
         if subject is Property.ARITHMETIC:
             continue
-        one = certificate(failing(subject, 0, 1), failing(Property.ARITHMETIC, 0, advice="more bits"))
-        assert one.refusal().endswith("; more bits") == (subject in OF_THE_EDGES)
-        assert one.lacks_rounding == (subject in OF_THE_EDGES)
+        failed = certificate(failing(subject, 0, 1), failing(Property.ARITHMETIC, 0, advice="more bits"))
+        assert failed.refusal().endswith("; more bits") == (subject in OF_THE_EDGES)
+        assert failed.lacks_rounding == (subject in OF_THE_EDGES)
 
 
 def test_limits_and_period_are_no_part_of_the_tube() -> None:

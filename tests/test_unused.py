@@ -1,4 +1,4 @@
-"""Nothing stands unused: members by their class, names by their module, statements of proof/; no name stands for two classes."""
+"""Every member of a class, every name of a module and every statement of proof/ is used, and no two classes have one name."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PACKAGE = sorted((ROOT / "stt_codegen").rglob("*.py"))
 SCRIPTS = [*sorted((ROOT / "benchmarks").rglob("*.py")), *sorted((ROOT / "docs").glob("*.py"))]
 PUBLIC = ("stt_codegen.api", "stt_codegen.paper")  # the Python interface and the paper's equations are for users
 
-# What is used, though no source that mypy checks reads it: by class and member, and by whom.
+# Members that are used although no source that mypy checks reads them, and their users.
 USED_ELSEWHERE = {
     "LoopResult._fields_": "ctypes",
     "LoopSetting._fields_": "ctypes",
@@ -41,7 +41,7 @@ def module_of(folder: Path, path: Path) -> Module:
 
 
 def names_in_templates(folder: Path) -> Iterator[str]:
-    """Attributes that templates read of what they are rendered with."""
+    """Yield attributes that templates read of their values."""
     for path in folder.rglob("*.j2"):
         for code in re.findall(r"\{\{.*?\}\}|\{%.*?%\}", path.read_text(), re.S):
             yield from re.findall(r"\.(\w+)", code)
@@ -56,7 +56,7 @@ def use_census() -> UseCensus:
 
 
 @pytest.mark.xdist_group("unused")
-def test_no_member_stands_unused() -> None:
+def test_no_member_is_unused() -> None:
     """Fields, methods and properties are read of a value of their class somewhere in the package, or of a value of unknown class."""
     unused = {
         f"{c.name}.{name}": c.module.name for c, name in use_census().unused_members() if c.module.name.startswith("stt_codegen")
@@ -67,14 +67,14 @@ def test_no_member_stands_unused() -> None:
 
 
 @pytest.mark.xdist_group("unused")
-def test_no_name_stands_unused() -> None:
+def test_no_name_is_unused() -> None:
     """Functions, classes and constants are read in another statement of their module, or imported by the package or a benchmark."""
     unused = [f"{m.name}.{name}" for m, name in use_census().unused_names() if m.name.startswith("stt_codegen")]
     entries = (ROOT / "pyproject.toml").read_text()
     assert [name for name in unused if not name.startswith(PUBLIC) and ":".join(name.rsplit(".", 1)) not in entries] == []
 
 
-# A field behind a living one of the same name, and all ways to use a member. What must be refused has `dead` in its name, but for `room`.
+# Unused members and all ways to use a member. Unused ones have `dead` in their name, except `Grid.room`, whose name a used field has too.
 SAMPLE = {
     "sample/__init__.py": "",
     "sample/face.py": 'from sample.parts import Grid, dead_behind_face\n__all__ = ["Grid", "dead_behind_face"]\n',
@@ -174,7 +174,7 @@ main(*[None] * 8)  # type: ignore[arg-type]
 CONFIGURED = "[tool.mypy]\nstrict = true\nimplicit_reexport = true\nfiles = ['sample']\nplugins = ['{plugin}']\n"
 
 
-def test_a_dead_member_does_not_hide_behind_a_living_one(tmp_path: Path) -> None:
+def test_an_unused_member_with_the_name_of_a_used_one_is_reported(tmp_path: Path) -> None:
     """`room` of Grid is stored, passed on and copied; only that of Board is read."""
     for name, text in SAMPLE.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
@@ -192,7 +192,7 @@ def test_a_dead_member_does_not_hide_behind_a_living_one(tmp_path: Path) -> None
 
 
 def test_records_follow_the_sources(tmp_path: Path) -> None:
-    """A record is written anew with its module, and again where it is missing though mypy has the module in its cache."""
+    """A record is written again when its module changes, and when it is missing although mypy has the module in its cache."""
     source = tmp_path / "sample.py"
     (tmp_path / "pyproject.toml").write_text(
         CONFIGURED.format(plugin=ROOT / "tests" / "support" / "mypy_reads.py").replace("'sample'", "'sample.py'")
@@ -221,19 +221,19 @@ def repeated_classes(sources: list[str]) -> set[str]:
     return {name for name, count in names.items() if count > 1}
 
 
-def test_a_name_stands_for_one_class() -> None:
-    """The stand-alone checker shares nothing with the package, and so may share its names."""
+def test_no_two_classes_have_one_name() -> None:
+    """The stand-alone checker imports nothing of the package, so that it may use the same names."""
     repeated = repeated_classes([p.read_text() for p in PACKAGE if "checker" not in p.relative_to(ROOT).with_suffix("").parts])
     assert repeated == set(), "give the new class another name"
 
 
-def test_classes_of_one_name_are_seen() -> None:
+def test_classes_of_one_name_are_reported() -> None:
     assert repeated_classes(["class A: ...\nclass B: ...", "def f():\n    class A: ...", "class C: ..."]) == {"A"}
 
 
 # ---------------------------------------------------------------------------------------------------------- proof/
 
-# Statements for readers: that a definition means what it should.
+# Statements for readers: they show that a definition is right.
 FOR_READERS = {"Logarithm.bits_of_double", "Logarithm.bits_of_single", "Semantics.exponent_range", "Sets.clear_shape_of_box"}
 
 
@@ -243,13 +243,13 @@ def library_texts() -> dict[str, str]:
 
 
 def written_in_coq() -> list[str]:
-    """What a controller's theorems say: the templates, and the strings that theorem/ writes."""
+    """Return the texts of theorems about controllers: templates, and strings in theorem/."""
     sources = (ast.parse(p.read_text()) for p in PACKAGE if p.parent.name == "theorem")
     strings = (n.value for tree in sources for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str))
     return [*(p.read_text() for p in (ROOT / "templates").glob("*.v.j2")), *strings]
 
 
-def test_no_definition_of_the_library_stands_unused() -> None:
+def test_no_definition_of_the_library_is_unused() -> None:
     unused = {re.sub(r"\.v, line \d+: ", ".", line): line for line in unused_definitions(library_texts(), written_in_coq())}
     assert [line for name, line in unused.items() if name not in FOR_READERS] == []
     assert FOR_READERS - unused.keys() == set(), "take it off the list"
@@ -257,8 +257,8 @@ def test_no_definition_of_the_library_stands_unused() -> None:
 
 @pytest.mark.slow
 @pytest.mark.xdist_group("coq")
-def test_no_definition_of_the_compiled_library_stands_unused(tool: Callable[[str], str]) -> None:
-    """The same by coqc's index, which a bound variable of the same name does not mislead."""
+def test_no_definition_of_the_compiled_library_is_unused(tool: Callable[[str], str]) -> None:
+    """The index of coqc decides, which does not confuse a definition with a bound variable of the same name."""
     tool("coqc")
     outside = {word for text in written_in_coq() for word in WORD.findall(text)}
     unused = unreferenced_names(compiled_library(), [name.removesuffix(".v") for name in library_texts()])
@@ -285,7 +285,7 @@ Definition dead_last := let p := Pair 1 2 in p.(second).
 }
 
 
-def test_a_dead_definition_is_seen() -> None:
+def test_an_unused_definition_is_reported() -> None:
     lines = unused_definitions(SMALL, ["Check used_in_template."])
     assert lines == [
         "A.v, line 6: dead_lemma",

@@ -1,5 +1,7 @@
-"""The recipes of CONTRIBUTING.md, each followed by a sample in a copy of the repository: the places that a recipe names are those that
-the sample needs, no more and no fewer, and what was added works from end to end."""
+"""A sample follows each recipe of CONTRIBUTING.md in a copy of the repository.
+
+The sample changes exactly the places that the recipe names, and the addition works from end to end.
+"""
 
 from __future__ import annotations
 
@@ -110,8 +112,8 @@ def corners_of_cut_box''',
                 '    "middle reach": ("middle = [2.5, 2.5]\\nreach = 9", "middle = [4.5, 0.5]\\nreach = 0.4"),\n    "centre radius": (',
             ),
             (
-                "    own, d = task.axis_indices(unsafe), len(lower)\n",
-                """    own, d = task.axis_indices(unsafe), len(lower)
+                "    axes, d = task.axis_indices(unsafe), len(lower)\n",
+                """    axes, d = task.axis_indices(unsafe), len(lower)
     if hasattr(unsafe, "reach"):  # the hull of its corners
         (x, y), r = unsafe.middle, unsafe.reach
         unsafe = UnsafePolytope(vertices=[(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
@@ -256,8 +258,8 @@ SAMPLES = {sample.title: sample for sample in (SET, OPERATION, LANGUAGE, COMMAND
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """The copy in which a sample has been made by its recipe, by the recipe's title."""
+def copy_with_sample(tmp_path_factory):
+    """Return a function from the title of a recipe to a copy of the repository in which its sample has followed the recipe."""
     copies: dict[str, Path] = {}
 
     def make(title: str) -> Path:
@@ -270,8 +272,8 @@ def made(tmp_path_factory):
 
 
 @pytest.mark.parametrize("title", SAMPLES)
-def test_a_recipe_names_the_places_that_its_sample_changes_and_no_others(title: str, made) -> None:
-    assert mismatches(places_to_change(SAMPLES[title].recipe), changed_files(made(title))) == []
+def test_a_recipe_names_exactly_the_places_that_its_sample_changes(title: str, copy_with_sample) -> None:
+    assert mismatches(places_to_change(SAMPLES[title].recipe), changed_files(copy_with_sample(title))) == []
 
 
 def test_every_link_of_the_page_leads_somewhere() -> None:
@@ -290,11 +292,11 @@ def test_every_link_of_the_page_leads_somewhere() -> None:
         ({"docs"}, {"tests/new.py"}, "tests/new.py: is changed, and is not named"),
     ],
 )
-def test_a_recipe_that_leads_astray_is_seen(named: set[str], changed: set[str], message: str) -> None:
+def test_a_recipe_with_wrong_places_is_reported(named: set[str], changed: set[str], message: str) -> None:
     assert message in mismatches(named, changed)
 
 
-def test_new_files_of_a_folder_that_is_named_are_no_surprise() -> None:
+def test_new_files_in_a_folder_that_is_named_are_accepted() -> None:
     assert mismatches({"docs", "README.md"}, {"docs/new/page.md", "README.md"}) == []
 
 
@@ -307,24 +309,25 @@ def test_places_are_the_links_in_bold() -> None:
 
 
 @pytest.mark.parametrize("title", ["A set", "A target language", "A command"])
-def test_the_house_stands_with_the_sample(title: str, made) -> None:
-    run_pytest_in_copy(made(title), "tests/test_faces.py", "tests/test_layers.py", "-k", "through_faces or lists_what or one_way")
+def test_faces_and_layers_accept_the_sample(title: str, copy_with_sample) -> None:
+    run_pytest_in_copy(
+        copy_with_sample(title), "tests/test_faces.py", "tests/test_layers.py", "-k", "through_faces or lists_what or one_way"
+    )
 
 
-def test_a_set_is_designed_certified_and_checked(made) -> None:
-    copy = made("A set")
+def test_a_set_is_designed_certified_and_checked(copy_with_sample) -> None:
+    copy = copy_with_sample("A set")
     run_pytest_in_copy(
         copy,
         "tests/task/test_keys.py",
         "tests/task/test_shapes.py",
         "-k",
-        "key or list or know or says_no or diamond and every_shape",
+        "key or list or know or refuses_a_region_of_any_form or diamond and every_shape",
     )
 
 
-def test_a_set_is_a_region_of_a_mission_and_has_images_in_an_axis_that_closes(made, tmp_path: Path) -> None:
-    """The tool and the checker agree about both."""
-    copy = made("A set")
+def test_the_sampled_set_works_as_a_region_and_on_a_closed_axis(copy_with_sample, tmp_path: Path) -> None:
+    copy = copy_with_sample("A set")
     turning = (ROOT / "tasks" / "omni_heading.toml").read_text()
     turning = turning[: turning.index("[[unsafe]]")] + '[[unsafe]]\nname = "rock"\nmiddle = [2.5, 1.5, 0.5]\nreach = 0.4\n'
     head = "[state_space]\nlower = [0, 0]\nupper = [5, 5]\n[initial_set]\nlower = [0, 0]\nupper = [0.5, 0.5]\n[target_set]\nlower = [4.5, 4.5]\nupper = [5, 5]\n"
@@ -332,17 +335,17 @@ def test_a_set_is_a_region_of_a_mission_and_has_images_in_an_axis_that_closes(ma
     mission += '[[region]]\nname = "dock"\nmiddle = [2, 3]\nreach = 1\n[[mission]]\nvisit = "dock"\n'
     for name, text in {"omni_heading": turning, "visitor": mission}.items():
         (tmp_path / f"{name}.toml").write_text(text)
-        written = run_in_copy(copy, "generate", str(tmp_path / f"{name}.toml"), "--out", str(tmp_path))
-        assert written.returncode == 0, written.stderr
+        generated = run_in_copy(copy, "generate", str(tmp_path / f"{name}.toml"), "--out", str(tmp_path))
+        assert generated.returncode == 0, generated.stderr
         files = [str(tmp_path / f"{name}{end}") for end in (".toml", ".c", ".certificate.json")]
         checked = run_in_copy(copy, "certify", *files)
         assert checked.returncode == 0, checked.stdout + checked.stderr
 
 
-def test_an_operation_is_printed_in_every_language_and_bounded(made, tool) -> None:
+def test_an_operation_is_printed_in_every_language_and_bounded(copy_with_sample, tool) -> None:
     tool("gcc"), tool("clang")
     run_pytest_in_copy(
-        made("An operation"),
+        copy_with_sample("An operation"),
         "tests/program/test_program.py",
         "-k",
         "hypot and not hypothesis or bank_covers or printed_by_every_printer",
@@ -355,22 +358,22 @@ from tests.support.bank import kernel_of, one_function_program
 kernel, function = kernel_of("far", lambda a, b: ca.hypot(a * 3, b / 7), 2)
 program = one_function_program(kernel, "float")
 points = np.array([[1e-3, 2.0], [0.3, -40.0], [-5.0, 1e3]], np.float32)
-found = Runner(program).run("f", {"x": points.astype(np.longdouble)})["y"]
+estimate = Runner(program).run("f", {"x": points.astype(np.longdouble)})["y"]
 true = np.hypot(points[:, 0].astype(float) * 3, points[:, 1].astype(float) / 7)
 single = np.hypot(points[:, 0] * np.float32(3), points[:, 1] / np.float32(7)).astype(float)
-assert (np.abs(found.value[:, 0].astype(float) - true) <= 1e-12 * true).all()
-assert (np.abs(single - true) <= found.error[:, 0]).all() and (found.error[:, 0] < 1e-5 * true).all()
+assert (np.abs(estimate.value[:, 0].astype(float) - true) <= 1e-12 * true).all()
+assert (np.abs(single - true) <= estimate.error[:, 0]).all() and (estimate.error[:, 0] < 1e-5 * true).all()
 for target in TARGETS:
     assert any("hypot" in line for line in target.printer(program).kernel(kernel)), target.title
 """
-    (made("An operation") / "bounded.py").write_text(code)
-    done = run_in_copy(made("An operation"), module="bounded")
-    assert done.returncode == 0, done.stderr
+    (copy_with_sample("An operation") / "bounded.py").write_text(code)
+    result = run_in_copy(copy_with_sample("An operation"), module="bounded")
+    assert result.returncode == 0, result.stderr
 
 
-def test_a_language_is_within_the_bounds_and_changes_no_old_task(made, tmp_path: Path, tool) -> None:
+def test_a_language_is_within_its_bounds_and_changes_no_file_of_other_tasks(copy_with_sample, tmp_path: Path, tool) -> None:
     tool("node"), tool("cc")
-    copy = made("A target language")
+    copy = copy_with_sample("A target language")
     run_pytest_in_copy(
         copy, "tests/task/test_keys.py", "tests/compare/test_targets.py", "-k", "javascript or key or list or know"
     )
@@ -390,7 +393,7 @@ def test_a_language_is_within_the_bounds_and_changes_no_old_task(made, tmp_path:
 
 
 @pytest.mark.parametrize("path", ["stt_codegen/certify/checker.py", "stt_codegen/theorem/controller_theorem.py"])
-def test_a_list_that_a_language_is_left_out_of_is_noticed(path: str, tmp_path: Path) -> None:
+def test_a_language_that_is_missing_in_a_list_is_reported(path: str, tmp_path: Path) -> None:
     copy = copy_of_the_repository(tmp_path)
     follow_recipe(replace(LANGUAGE, edits={name: edits for name, edits in LANGUAGE.edits.items() if name != path}), copy)
     with pytest.raises(AssertionError, match="javascript"):
@@ -398,29 +401,29 @@ def test_a_list_that_a_language_is_left_out_of_is_noticed(path: str, tmp_path: P
     assert f"{path}: is named, and nothing is changed there" in mismatches(places_to_change(LANGUAGE.recipe), changed_files(copy))
 
 
-def test_a_command_is_in_the_help_and_answers(made) -> None:
-    copy = made("A command")
+def test_a_command_is_in_the_help_and_answers(copy_with_sample) -> None:
+    copy = copy_with_sample("A command")
     assert "count" in run_in_copy(copy, "--help").stdout
     assert json.loads(run_in_copy(copy, "count", "tasks/omni_s2.toml", "--json").stdout) == {"unsafe": 4}
     run_pytest_in_copy(copy, "tests/cli/test_commands.py")
 
 
-def test_a_board_runs_the_c_and_is_counted(made, tool) -> None:
+def test_a_board_runs_the_c_and_is_counted(copy_with_sample, tool) -> None:
     for name in ("arm-none-eabi-gcc", "qemu-system-arm"):
         tool(name)
-    copy = made("A board")
-    ran = run_in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m4", "--points", "50", "--json")
-    document = json.loads(ran.stdout)
+    copy = copy_with_sample("A board")
+    result = run_in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m4", "--points", "50", "--json")
+    document = json.loads(result.stdout)
     assert document["within_bounds"] is True
     assert document["calls"]["control"]["most"] > 500  # without an FPU
     assert "m4" in run_in_copy(copy, "mcu", "--help", module="benchmarks").stdout
     assert "m4," in run_in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m5").stderr
 
 
-def test_a_kind_of_tube_is_designed_compiled_and_compared(made, tmp_path: Path, tool) -> None:
-    """A spline that offers shapes alone: nothing in its C, its package or its comparison rests on what it does not offer."""
+def test_a_kind_of_tube_is_designed_compiled_and_compared(copy_with_sample, tmp_path: Path, tool) -> None:
+    """The sample's only capability is to avoid sets of any shape: its C, package and comparison need no other capability."""
     tool("gcc")
-    copy = made("A kind of tube")
+    copy = copy_with_sample("A kind of tube")
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
     (tmp_path / "omni_s2.toml").write_text(text.replace("[tube]\n", '[tube]\ndesign = "shapely"\n'))
     for folder, options in (("c", ()), ("sketch", ("--package", "arduino"))):
@@ -441,7 +444,7 @@ def test_a_kind_of_tube_is_designed_compiled_and_compared(made, tmp_path: Path, 
 
 
 @pytest.mark.parametrize("path", ["stt_codegen/emit/document.py", "benchmarks/suites/printed.py"])
-def test_a_table_that_a_kind_is_left_out_of_is_noticed(path: str, tmp_path: Path) -> None:
+def test_a_kind_that_is_missing_in_a_table_is_reported(path: str, tmp_path: Path) -> None:
     copy = copy_of_the_repository(tmp_path)
     follow_recipe(replace(KIND, edits={name: edits for name, edits in KIND.edits.items() if name != path}), copy)
     with pytest.raises(AssertionError, match="has no shapely"):

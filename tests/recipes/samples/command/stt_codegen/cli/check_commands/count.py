@@ -1,4 +1,4 @@
-"""`count`: how long a task is."""
+"""`count`: the number of unsafe sets of a task."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ def count(task: TaskFile, json: Json = False) -> None:
     """Count the unsafe sets of a task."""
     from stt_codegen.task import load_task
 
-    found = len(load_task(task).unsafe)
-    print_json({"unsafe": found}) if json else print(f"{task}: {found} unsafe sets")
+    count_of_sets = len(load_task(task).unsafe)
+    print_json({"unsafe": count_of_sets}) if json else print(f"{task}: {count_of_sets} unsafe sets")

@@ -24,19 +24,19 @@ from stt_codegen.program.targets.printer import INDENT, Printer
 
 
 class JavaScriptPrinter(Printer):
-    """Arrays come in as arrays; what a function gives is an array of its status or value, and the arrays that it writes."""
+    """Prints JavaScript. A function returns an array of its status or value and of the arrays that it writes."""
 
     def helpers(self) -> list[str]:
-        """What some node of the program needs beside expressions."""
+        """Return the helper function of the operations `exponent` and `mantissa`, where the program has one."""
         if not uses_split(self.program):
             return []
-        least = self.literal(Const(FORMATS[self.program.scalar].smallest_mantissa))
+        smallest = self.literal(Const(FORMATS[self.program.scalar].smallest_mantissa))
         return [
             "// [m, e] with y = m 2^e, m in [1/sqrt 2, sqrt 2).",
             "function split(y) {",
             "    let m = y;",
             "    let e = 0;",
-            f"    while (m >= 2.0 * {least}) {{",
+            f"    while (m >= 2.0 * {smallest}) {{",
             "        m = 0.5 * m;",
             "        e += 1;",
             "    }",
@@ -145,6 +145,7 @@ class JavaScriptPrinter(Printer):
         ]
 
     def function(self, function: Function) -> list[str]:
+        """Return the lines of a function; an argument that it changes is copied first."""
         self.inside = function
         written = [p for p in function.outputs if not p.inout]
         return [

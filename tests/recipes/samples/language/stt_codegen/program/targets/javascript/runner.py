@@ -28,13 +28,14 @@ console.log(JSON.stringify(points.map((point) => text(controller[name](...point.
 
 def find_node() -> str:
     """Return the interpreter: $NODE, or node. Raises `MissingTool`."""
-    found = shutil.which(os.environ.get("NODE") or "node")
-    if found is None:
+    path = shutil.which(os.environ.get("NODE") or "node")
+    if path is None:
         raise MissingTool("no interpreter of JavaScript found; install nodejs (Debian: apt-get install nodejs), or set NODE")
-    return found
+    return path
 
 
 def as_text(value: Any) -> Any:
+    """Return numbers, in lists of any depth, as texts that JavaScript reads exactly."""
     return [as_text(v) for v in value] if isinstance(value, list) else repr(value) if math.isfinite(value) else NAMES[repr(value)]
 
 
@@ -52,15 +53,18 @@ class RunJavaScript(Backend):
         self.text = controller.files[f"{self.program.prefix}.js"]
 
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
-        described = self.program.function(function)
-        self.check_shapes(described.inputs, inputs)
+        """Call a function at every point, in one process of node, and return its outputs as arrays over the points."""
+        declaration = self.program.function(function)
+        self.check_shapes(declaration.inputs, inputs)
         points = [[as_text(np.asarray(v).tolist()) for v in point] for point in zip(*inputs, strict=True)]
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "controller.js").write_bytes(self.text)
             Path(folder, "driver.js").write_text(DRIVER)
-            asked = json.dumps({"name": function, "points": points})
-            ran = subprocess.run([find_node(), f"{folder}/driver.js"], input=asked, capture_output=True, text=True, check=False)
-        if ran.returncode:
-            raise SttError(f"node refused the emitted code:\n{ran.stderr}")
-        columns = zip(*json.loads(ran.stdout), strict=True)
+            request = json.dumps({"name": function, "points": points})
+            result = subprocess.run(
+                [find_node(), f"{folder}/driver.js"], input=request, capture_output=True, text=True, check=False
+            )
+        if result.returncode:
+            raise SttError(f"node refused the emitted code:\n{result.stderr}")
+        columns = zip(*json.loads(result.stdout), strict=True)
         return tuple(np.array(column, dtype=float) for column in columns)
