@@ -1,4 +1,7 @@
-"""Tables of designs, bounds, closed loops and comparisons that the command line prints; --json has the same as data."""
+"""Tables of designs, bounds, closed loops and comparisons that the command line prints; --json has the same as data.
+
+Long because every table of the command line is in one place, with one console.
+"""
 
 from __future__ import annotations
 

@@ -3,6 +3,8 @@ numbers.
 
 `design` prints the short form, `prove TASK` writes all of it to <p>.bounds.json; bounds.py has both as data. docs/paper.md has
 the theorem, docs/certificate.md the sampling conditions.
+
+Long because all hypotheses and bounds are computed from one sampled loop, which the class builds.
 """
 
 from __future__ import annotations
