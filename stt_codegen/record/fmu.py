@@ -4,6 +4,8 @@ An output follows the inputs at once, as in the reference units of the standard:
 a controller with a plant exchanges at each step what a board and a robot exchange at a sample.
 
 record/package.py calls `fmu_units`.
+
+Long because FMI asks for every variable by name and for a list of the functions that a unit does not offer.
 """
 
 from __future__ import annotations

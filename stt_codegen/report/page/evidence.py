@@ -1,6 +1,8 @@
 """Run the evidence of the page for an assessor: stand-alone checker, compilers, reference, self-test, MISRA.
 
 Every number comes from this run; where a tool is missing, the row says so. `report` and report/page/page.py use it.
+
+Long because every row of the page's evidence, and what no row proves, is in one place.
 """
 
 from __future__ import annotations
