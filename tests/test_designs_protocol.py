@@ -130,7 +130,7 @@ def test_no_template_compares_the_name_of_a_kind() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "is_seen"),
+    ("text", "is_reported"),
     [
         ('{% if kind == "refined" %}', True),
         ("{% if kind in names %}", True),
