@@ -1,11 +1,11 @@
-"""Check the error bands (P7) with Gappa: it bounds the rounding of the C's statements, for each edge of the shipped refined tubes.
+"""Check the error bands (P7) with Gappa: it bounds how the C's statements round, for each edge of the shipped refined tubes.
 
     python -m benchmarks gappa [--folder generated] [--keep DIR]
 
 From each C file it reads the table, the constants of time, and the statements of `basis` and `blend`, with the reader of the
 stand-alone checker. Gappa must prove that the spline time is within 4 rounding errors of K, also where t was rounded. It must
-also prove for each dimension that the statements lose no more than the remaining part of the certificate's `edge_error`. The exit code
-is 1 where Gappa does not prove it, 4 without Gappa. With --keep the scripts stay in DIR.
+also prove for each dimension that the statements lose no more than the remaining part of the certificate's `edge_error`. The
+exit code is 1 where Gappa does not prove it, 4 without Gappa. With --keep the scripts stay in DIR.
 """
 
 from __future__ import annotations

@@ -52,9 +52,8 @@ def map_(
         print(f"  note: {note}")
     unsafe = counts["occupied"] + counts["unknown"]
     more = f", {report.covered_free_cells / unsafe:.1%} of the unsafe ones" if unsafe else ""
-    print(
-        f"  as {kind}: {counted(len(report.pieces), 'set')}, which cover the middle of {report.covered_free_cells} free cells{more}"
-    )
+    cover = f"which cover the middle of {report.covered_free_cells} free cells{more}"
+    print(f"  as {kind}: {counted(len(report.pieces), 'set')}, {cover}")
     print(f"  picture: {path}")
 
 

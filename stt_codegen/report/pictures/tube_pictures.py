@@ -1,6 +1,7 @@
 """Draw a tube as in the paper's figures 1 and 3: its boxes in the state space, and each dimension over time with unsafe sets.
 
 Imports matplotlib, so import this late. `design --picture`, the Python interface and loop/picture.py call this.
+Long because both views draw the same sets, with the same colours and labels.
 """
 
 from __future__ import annotations
