@@ -1,10 +1,10 @@
-"""Whether controllers in integers give the same bits everywhere: the emitted Python, the C on this machine and on every board.
+"""Check that controllers in integers give the same bits in the emitted Python, in C on this machine, and on every board.
 
     python -m benchmarks integer_bits [--task omni_s2 crane] [--inputs 1000000] [--board m0 ...]
 
-`tube`, `control`, `margin` and `covered` (of order 2 `filtered_tube` too) at ticks and states drawn by the same generator
-everywhere: any bit patterns, the edges with two units about them, places all through the tube and beside it. What comes out
-is folded into one number for each block of inputs, which the board writes. The command ends with 1 where two of these differ.
+It calls `tube`, `control`, `margin` and `covered`, and of order 2 `filtered_tube`. The same generator draws ticks and states
+everywhere: any bit patterns, values up to two units from an edge, and values in and near the tube. The outputs of a block of
+inputs are hashed into one number, which the board writes. The exit code is 1 where two hashes differ.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from stt_codegen.program.targets.toolchain import run_compiler
 from stt_codegen.task.load import load_task
 
 BLOCKS = 16
-FOLD = re.compile("[0-9a-f]{8}")  # as a board writes it
+HASH = re.compile("[0-9a-f]{8}")  # as a board writes it
 MASK = 2**32 - 1
-OFFSET, PRIME = 2166136261, 16777619  # of the hash FNV-1a, here by words
+OFFSET, PRIME = 2166136261, 16777619  # of the hash FNV-1a, by words of 32 bits instead of bytes
 
 HOST = """#include <stdint.h>
 #include <stdio.h>
@@ -121,21 +121,21 @@ MOVING = """            static const int32_t filter[%(P)s_N] = {%(filter)s}; /* 
 
 
 def filter_of(controller: EmittedController) -> list[int]:
-    """256 times lambda, rounded; empty for order 1."""
+    """Return 256 times lambda for each axis, rounded; an empty list for order 1."""
     return [round(256 * Fraction(v)) for v in controller.design.filter]
 
 
-def driver(controller: EmittedController, inputs: int) -> str:
-    """The C that draws the inputs and folds what comes out."""
+def driver_text(controller: EmittedController, inputs: int) -> str:
+    """Return the C program that draws the inputs, calls the controller and hashes its outputs."""
     filter_, name = filter_of(controller), controller.program.prefix
     words = {"p": name, "P": name.upper(), "blocks": BLOCKS, "inputs": inputs // BLOCKS, "filter": ", ".join(map(str, filter_))}
     return DRIVER % {**words, "moving": MOVING % words if filter_ else "", "states": "x, v" if filter_ else "x"}
 
 
-def folded(text: bytes, inputs: int, filter_: list[int], block: int) -> str:
-    """The same by the emitted Python, of one block."""
+def python_hash(text: bytes, inputs: int, filter_: list[int], block: int) -> str:
+    """Return the hash of one block by the emitted Python, as the C program computes it. text: of the Python module."""
     module = load_module("emitted", text)
-    seed, fold = block * 2654435761 & MASK, OFFSET
+    seed, hash_ = block * 2654435761 & MASK, OFFSET
 
     def draw() -> int:
         nonlocal seed
@@ -147,9 +147,9 @@ def folded(text: bytes, inputs: int, filter_: list[int], block: int) -> str:
     def signed(word: int) -> int:
         return (word + 2**31 & MASK) - 2**31
 
-    def keep(word: int) -> None:
-        nonlocal fold
-        fold = (fold ^ word & MASK) * PRIME & MASK
+    def update_hash(word: int) -> None:
+        nonlocal hash_
+        hash_ = (hash_ ^ word & MASK) * PRIME & MASK
 
     def near_tube(kind: int, lower: int, upper: int) -> int:
         width = upper - lower & MASK
@@ -165,63 +165,64 @@ def folded(text: bytes, inputs: int, filter_: list[int], block: int) -> str:
         states = [[]]
         for pair in zip(*module.tube(tick), strict=True):
             for edge in pair:
-                keep(edge)
+                update_hash(edge)
             states[0].append(near_tube(word & 3, *pair))
         if filter_:
             states.append([])
             for i, pair in enumerate(zip(*module.filtered_tube(tick), strict=True)):
                 for edge in pair:
-                    keep(edge)
+                    update_hash(edge)
                 r = near_tube(word >> 2 & 3, *pair)
                 states[1].append(signed(r - (states[0][i] >> 8 & 0xFFFF) * filter_[i]))
         status, u = module.control(tick, *states)
-        for out in (status, *u, module.margin(tick, *states), int(module.covered(*states))):
-            keep(out)
-    return f"{fold:08x}"
+        for output in (status, *u, module.margin(tick, *states), int(module.covered(*states))):
+            update_hash(output)
+    return f"{hash_:08x}"
 
 
-def on_board(controller: EmittedController, board: Board | None, inputs: int) -> list[str]:
-    """What the C gives, on a board or on this machine, by block."""
+def c_hashes(controller: EmittedController, board: Board | None, inputs: int) -> list[str]:
+    """Return the hashes of all blocks by the C, on a board, or on this machine (None)."""
     with tempfile.TemporaryDirectory() as folder:
         name = controller.program.prefix
         for file, data in controller.files.items():
             Path(folder, file).write_bytes(data)
-        own = Path(folder, "driver.c")
-        own.write_text((HOST if board is None else '#include "board.h"\n') + driver(controller, inputs))
-        image, mine = Path(folder, "image.elf"), [str(own), str(Path(folder, f"{name}.c"))]
+        driver_file = Path(folder, "driver.c")
+        driver_file.write_text((HOST if board is None else '#include "board.h"\n') + driver_text(controller, inputs))
+        image, c_files = Path(folder, "image.elf"), [str(driver_file), str(Path(folder, f"{name}.c"))]
         if board is None:
-            run_compiler(["cc", *CFLAGS, f"-I{folder}", *mine, "-o", str(image)])
+            run_compiler(["cc", *CFLAGS, f"-I{folder}", *c_files, "-o", str(image)])
         else:
             sources, libraries = copy_board(board, Path(folder))
-            run_compiler([board.compiler, *board.flags, *CFLAGS, f"-I{folder}", *sources, *mine, "-o", str(image), *libraries])
+            run_compiler([board.compiler, *board.flags, *CFLAGS, f"-I{folder}", *sources, *c_files, "-o", str(image), *libraries])
         command = [*(board.command if board else ()), str(image)]
-        out = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, text=True, check=False)
-    lines = (DECORATION.sub("", line) for line in (out.stdout + out.stderr).splitlines())  # semihosting writes to either
-    return [line for line in lines if FOLD.fullmatch(line)]
+        process = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, text=True, check=False)
+    lines = (DECORATION.sub("", line) for line in (process.stdout + process.stderr).splitlines())  # semihosting writes to either
+    return [line for line in lines if HASH.fullmatch(line)]
 
 
 def main() -> int:
+    """Compare all hashes, and print the table. Return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--task", nargs="+", default=["omni_s2", "crane"])
     parser.add_argument("--inputs", type=int, default=1_000_000)
     parser.add_argument("--board", choices=tuple(BOARDS), action="append")
-    asked = parser.parse_args()
-    rows, wrong = [], 0
-    for task in asked.task:
+    options = parser.parse_args()
+    rows, differing = [], 0
+    for task in options.task:
         controller = build_task(limited(load_task(ROOT / "tasks" / f"{task}.toml")))
-        began, text = time.perf_counter(), controller.files[f"{controller.program.prefix}.py"]
+        begin, text = time.perf_counter(), controller.files[f"{controller.program.prefix}.py"]
         with ProcessPoolExecutor() as pool:
-            told = partial(folded, text, asked.inputs, filter_of(controller))
-            expected = list(pool.map(told, range(1, BLOCKS + 1)))
-        rows.append([task, "Python", f"{asked.inputs:,}", "-", f"{time.perf_counter() - began:.0f}"])
-        for one in (None, *(asked.board or BOARDS)):
-            began = time.perf_counter()
-            got = on_board(controller, BOARDS[one] if one else None, asked.inputs)
-            differ = sum(a != b for a, b in zip(got, expected, strict=False)) + abs(len(got) - len(expected))
-            wrong += differ
-            rows.append([task, one or "this machine", f"{asked.inputs:,}", str(differ), f"{time.perf_counter() - began:.0f}"])
+            hash_block = partial(python_hash, text, options.inputs, filter_of(controller))
+            expected = list(pool.map(hash_block, range(1, BLOCKS + 1)))
+        rows.append([task, "Python", f"{options.inputs:,}", "-", f"{time.perf_counter() - begin:.0f}"])
+        for board in (None, *(options.board or BOARDS)):
+            begin = time.perf_counter()
+            hashes = c_hashes(controller, BOARDS[board] if board else None, options.inputs)
+            count = sum(a != b for a, b in zip(hashes, expected, strict=False)) + abs(len(hashes) - len(expected))
+            differing += count
+            rows.append([task, board or "this machine", f"{options.inputs:,}", str(count), f"{time.perf_counter() - begin:.0f}"])
     print(table(["task", "on", "inputs", f"of {BLOCKS} blocks other than the Python's", "seconds"], rows))
-    return int(wrong > 0)
+    return int(differing > 0)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The laws that are too heavy for `make test`, as named jobs that run one after the other. `make integration` calls this.
+"""Run the laws that are too heavy for `make test`, as named jobs, one after the other. `make integration` calls this.
 
     python -m benchmarks integration [--list] [--only NAME] [--jobs-matching PATH] [--again] [--minutes N]
 
@@ -107,14 +107,14 @@ def script(
     tools: tuple[str, ...] = (),
     packages: tuple[str, ...] = (),
 ) -> Job:
-    """A command of benchmarks/, by its file and options."""
+    """Return the job of a script of benchmarks/. command: its file and options."""
     path, *options = command.split()
     arguments = ("-m", "benchmarks", Path(path).stem, *options)
     return Job(name, law, minutes, seed, arguments, (path, *STARTED, *SHARED, *inputs), tools, packages)
 
 
 def bench(name: str, law: str, minutes: float, options: str, tools: tuple[str, ...] = ()) -> Job:
-    """A suite of benchmarks/."""
+    """Return the job of a suite of benchmarks/. options: the suite and its options."""
     inputs = (*STARTED, *SHARED, *PACKAGE)
     return Job(name, law, minutes, None, ("-m", "benchmarks", *options.split()), inputs, tools)
 
@@ -130,7 +130,10 @@ def slow_tests(
     only: str = "",
     dist: str = "loadgroup",
 ) -> Job:
-    """The slow tests of a file; part: the job's suffix where several share the file, only: pytest's expression that selects."""
+    """Return the job of the slow tests of a file.
+
+    part: the suffix of the job's name, where several jobs share the file. only: pytest's expression that selects tests.
+    """
     folder, _, stem = file.rpartition("/")
     package = f"tests/{folder}/" if folder else "tests/"
     path = f"{package}test_{stem}.py"
@@ -363,7 +366,7 @@ UNLISTED = {  # scripts of benchmarks/ with an exit code that are no job, and wh
 }
 
 
-# ------------------------------------------------------------------------------------------ what is known of them
+# ------------------------------------------------------------------------------------------ records and states
 
 
 class State(StrEnum):
@@ -390,7 +393,7 @@ class Basis:
         return sorted(name for name, version in self.tools.items() if not version)
 
     def changes_since(self, before: Basis) -> list[str]:
-        """Names of what differs."""
+        """Return the names of the inputs and tools that differ; "the command" where that does."""
         names = [] if self.command == before.command else ["the command"]
         for now, then in ((self.inputs, before.inputs), (self.tools, before.tools)):
             names += [name for name in sorted({*now, *then}) if now.get(name) != then.get(name)]
@@ -399,8 +402,11 @@ class Basis:
 
 @dataclass(frozen=True)
 class Record:
-    """The last run of a job. commit: with a plus where inputs had changes that were not committed. exit_code: None where the job
-    was ended because it took too long. output: the end of what it wrote; empty where it is green."""
+    """The last run of a job.
+
+    commit: with a plus where inputs had uncommitted changes. ended: date and time. exit_code: None where the job took too long
+    and was ended. output: the end of its output; empty where it is green.
+    """
 
     outcome: State
     basis: Basis
@@ -413,7 +419,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Status:
-    """A row of the table, and why the state is what it is. can_run: its tools are installed."""
+    """The state of a job, and the reason for it. can_run: whether its tools are installed."""
 
     job: Job
     state: State
@@ -433,7 +439,7 @@ class Ledger:
         self.ignored = [line.rstrip("/") for line in lines]
 
     def digests(self, paths: Iterable[str]) -> dict[str, str]:
-        """SHA-256 of names and contents, for files and folders; of nothing where a path does not exist."""
+        """Return SHA-256 of names and contents of files and folders, by path; of no content where a path does not exist."""
         return {path: self._digest(self.root / path) for path in sorted(set(paths))}
 
     def _digest(self, top: Path) -> str:
@@ -449,15 +455,15 @@ class Ledger:
         return any(fnmatch(part, pattern) for part in file.relative_to(self.root).parts for pattern in self.ignored)
 
     def basis(self, job: Job, digests: dict[str, str] | None = None) -> Basis:
-        """What a run of the job would rest on now."""
-        known = self.digests(job.inputs) if digests is None else digests
+        """Return the basis that a run of the job would have now. digests: of its inputs, if they are computed already."""
+        by_path = self.digests(job.inputs) if digests is None else digests
         versions = {"python": platform.python_version()}
         versions |= {name: tool_version(name, self.root) or "" for name in job.tools}
         versions |= {name: package_version(name) or "" for name in job.packages}
-        return Basis(job.arguments, {path: known[path] for path in job.inputs}, versions)
+        return Basis(job.arguments, {path: by_path[path] for path in job.inputs}, versions)
 
     def record(self, job: Job) -> Record | None:
-        """The last run; None where there was none, or its file cannot be read."""
+        """Return the last run; None where there was none, or its file cannot be read."""
         try:
             document = json.loads((self.folder / f"{job.name}.json").read_text())
             basis = document.pop("basis")
@@ -467,7 +473,7 @@ class Ledger:
             return None
 
     def write(self, job: Job, record: Record) -> None:
-        """Replaces the file in one step: who is stopped here leaves the old one or the new one."""
+        """Replace the record's file in one step, so that an interrupted process leaves the old or the new one."""
         partial = self.folder / f"{job.name}.json.part"
         partial.write_text(json.dumps(asdict(record), indent=2) + "\n")
         partial.replace(self.folder / f"{job.name}.json")
@@ -477,6 +483,7 @@ class Ledger:
         return [self._status(job, self.basis(job, digests)) for job in jobs]
 
     def _status(self, job: Job, now: Basis) -> Status:
+        """Return the state of a job, by its last run and the present basis."""
         record = self.record(job)
         if now.missing:
             state = State.FAILED if os.environ.get("CI") == "true" else State.MISSING_TOOL
@@ -496,7 +503,7 @@ class Ledger:
         return self.logs / f"{job.name}.log"
 
     def run(self, job: Job) -> Record:
-        """Runs the job to its end and writes its record. On KeyboardInterrupt the job is ended and nothing is written."""
+        """Run the job to its end and write its record. On KeyboardInterrupt end the job and write nothing."""
         for folder in (self.folder, self.logs):
             folder.mkdir(parents=True, exist_ok=True)
         before, begin = self.basis(job), time.monotonic()
@@ -507,7 +514,7 @@ class Ledger:
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
-                start_new_session=True,  # a group of processes, which can be ended together
+                start_new_session=True,  # so that the job and its processes can be ended together
             )
             try:
                 exit_code: int | None = process.wait(60 * max(SHORTEST_LIMIT, LIMIT_FACTOR * job.minutes))
@@ -533,7 +540,7 @@ class Ledger:
 
 
 def outcome_of(exit_code: int | None, output: str) -> State:
-    """Green only where the command succeeded and pytest, whose last line counts, skipped nothing."""
+    """Return the state of an ended job: green where it succeeded, and pytest reports no skipped test in its last line."""
     if exit_code != 0:
         return State.FAILED
     last = (output.strip().splitlines() or [""])[-1]
@@ -541,7 +548,7 @@ def outcome_of(exit_code: int | None, output: str) -> State:
 
 
 def end_group(process: subprocess.Popen[bytes]) -> None:
-    """Ends a job that still runs, with all the processes that it started."""
+    """End a job that still runs, with all the processes that it started."""
     for kind in (signal.SIGTERM, signal.SIGKILL):
         if process.poll() is not None:
             return
@@ -553,14 +560,14 @@ def end_group(process: subprocess.Popen[bytes]) -> None:
 
 @cache
 def tool_version(name: str, root: Path) -> str | None:
-    """The line of `--version` that has a number; the path where a tool says none; None where it is missing."""
+    """Return the line of `--version` with a number, or the path of a tool without one; None where the tool is missing."""
     path = str(root / name) if (root / name).is_file() else shutil.which(name)
     if path is None:
         return None
-    done = subprocess.run(
+    process = subprocess.run(
         [path, "--version"], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", check=False
     )
-    return next((line.strip() for line in (done.stdout + done.stderr).splitlines() if re.search(r"\d\.\d", line)), path)
+    return next((line.strip() for line in (process.stdout + process.stderr).splitlines() if re.search(r"\d\.\d", line)), path)
 
 
 @cache
@@ -572,7 +579,7 @@ def package_version(name: str) -> str | None:
 
 
 def commit_of(root: Path, inputs: Sequence[str]) -> str:
-    """The commit that is checked out, and a plus where the inputs are not as it has them."""
+    """Return the commit that is checked out, with a plus where the inputs have uncommitted changes; "-" without git."""
 
     def git(*arguments: str) -> str:
         return subprocess.run(["git", *arguments], cwd=root, capture_output=True, text=True, check=True).stdout.strip()
@@ -588,13 +595,13 @@ def expected_seconds(status: Status) -> float:
 
 
 def in_order(statuses: Sequence[Status]) -> list[Status]:
-    """What failed first, then the shortest."""
+    """Return the jobs in the order in which they run: those that failed, then the shortest."""
     failed = {s.job.name for s in statuses if s.record and s.record.outcome is State.FAILED}
     return sorted(statuses, key=lambda s: (s.job.name not in failed, expected_seconds(s)))
 
 
 def table(statuses: Sequence[Status]) -> str:
-    """One row a job; below, the names of those that are not green, by state and reason."""
+    """Return a table with a row for each job, and the names of the jobs that are not green, by state and reason."""
     rows: list[tuple[str, ...]] = [("job", "law", "state", "seconds", "commit")]
     for s in statuses:
         seconds, commit = (f"{s.record.seconds:.0f}", s.record.commit) if s.record else (f"~{60 * s.job.minutes:.0f}", "-")
@@ -610,24 +617,24 @@ def table(statuses: Sequence[Status]) -> str:
     names: dict[str, list[str]] = {}
     for s in sorted(waiting, key=lambda s: tuple(State).index(s.state)):
         names.setdefault(f"{s.state}{s.reason and f' ({s.reason})'}", []).append(s.job.name)
-    return "\n".join([*lines, *(f"{what}: {', '.join(jobs)}" for what, jobs in names.items())])
+    return "\n".join([*lines, *(f"{label}: {', '.join(jobs)}" for label, jobs in names.items())])
 
 
 def is_good(statuses: Iterable[Status]) -> bool:
-    """A missing tool is no failure: in CI its state is another."""
+    """Return whether no job failed, is stale or was not run. A missing tool is allowed; in CI its job has the state failed."""
     return not {s.state for s in statuses} & {State.FAILED, State.STALE, State.NOT_RUN}
 
 
 def run_all(ledger: Ledger, waiting: Sequence[Status], minutes: float) -> None:
-    """Runs the jobs, says what comes out, and starts none after so many minutes."""
+    """Run the jobs and print their results; start none after so many minutes."""
     begin = time.monotonic()
     for number, status in enumerate(waiting, 1):
-        job, past = status.job, (time.monotonic() - begin) / 60
-        if past >= minutes:
-            print(f"{past:.1f} minutes are over; {len(waiting) - number + 1} jobs are not run")
+        job, elapsed = status.job, (time.monotonic() - begin) / 60  # minutes
+        if elapsed >= minutes:
+            print(f"{elapsed:.1f} minutes are over; {len(waiting) - number + 1} jobs are not run")
             return
         about = expected_seconds(status) / 60
-        print(f"[{number} of {len(waiting)}, {past:.1f} min] {job.name}, about {about:.1f} min: {job.law}", flush=True)
+        print(f"[{number} of {len(waiting)}, {elapsed:.1f} min] {job.name}, about {about:.1f} min: {job.law}", flush=True)
         record = ledger.run(job)
         print(f"    {record.outcome} after {record.seconds:.0f} s", flush=True)
         if record.outcome is State.FAILED:
@@ -637,7 +644,7 @@ def run_all(ledger: Ledger, waiting: Sequence[Status], minutes: float) -> None:
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """The first Ctrl-C or SIGTERM raises KeyboardInterrupt, also where a shell started this with Ctrl-C ignored."""
+    """Raise KeyboardInterrupt at the first Ctrl-C or SIGTERM, also where a shell started this process with Ctrl-C ignored."""
     kinds = (signal.SIGINT, signal.SIGTERM)
 
     def interrupt(*_: object) -> None:
@@ -653,8 +660,8 @@ def interruptible() -> Iterator[None]:
             signal.signal(kind, handler)
 
 
-def chosen(jobs: Sequence[Job], names: Sequence[str] | None, paths: Sequence[str] | None, root: Path) -> list[Job]:
-    """The jobs of these names or patterns that read one of these paths. Raises ValueError for a name that no job has."""
+def select_jobs(jobs: Sequence[Job], names: Sequence[str] | None, paths: Sequence[str] | None, root: Path) -> list[Job]:
+    """Return the jobs with one of these names or patterns that read one of these paths. Raises ValueError for an unknown name."""
     for name in names or ():
         if not any(fnmatch(job.name, name) for job in jobs):
             raise ValueError(f"--only {name}: no job has that name; --list shows them")
@@ -668,6 +675,7 @@ def chosen(jobs: Sequence[Job], names: Sequence[str] | None, paths: Sequence[str
 
 
 def main(arguments: Sequence[str] | None = None, jobs: Sequence[Job] | None = None, root: Path = ROOT) -> int:
+    """Run the jobs that are not green, and print the table. Return the exit code. jobs: those of JOBS where it is None."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--list", action="store_true", help="only write the table; nothing is run")
     parser.add_argument("--only", action="append", metavar="NAME", help="only this job; a pattern such as 'tests-*'; repeatable")
@@ -678,7 +686,7 @@ def main(arguments: Sequence[str] | None = None, jobs: Sequence[Job] | None = No
     parser.add_argument("--minutes", type=float, default=float("inf"), metavar="N", help="start no job after so many minutes")
     options = parser.parse_args(arguments)
     try:
-        selected = chosen(JOBS if jobs is None else jobs, options.only, options.jobs_matching, root)
+        selected = select_jobs(JOBS if jobs is None else jobs, options.only, options.jobs_matching, root)
     except ValueError as error:
         parser.error(str(error))
     ledger = Ledger(root)

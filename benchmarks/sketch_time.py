@@ -1,10 +1,11 @@
-"""The example sketches on a simulated Uno, with steps that take too long: is the tube where the clock is? And what do steps take?
+"""Run the example sketches on a simulated Uno with slow sensors: compare the tube's time with the clock, and count steps.
 
     python -m benchmarks sketch_time [--steps 150] [--count 60]
 
-First the real sketch, with Arduino's core for AVR, in simavr: sensors take a random part of two and a half periods. At every
-sample the time that the controller is called with is compared with micros(): to one tick, or to the rounding of a float. Then
-`control` is counted, with the options of Arduino's IDE, beside what `generate` estimates. Ends with 1 where one is off.
+First the real sketch runs with Arduino's core for AVR in simavr; reading the sensors takes up to two and a half periods. At
+every sample the time that the controller gets must agree with micros(), to one tick or to the rounding of a float. Then the
+cycles of `control`, compiled with the options of Arduino's IDE, are compared with the estimate of `generate`. The exit code is
+1 where a time or an estimate is wrong.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -38,7 +40,7 @@ from stt_codegen.task.load import load_task
 
 ROOT = Path(__file__).resolve().parent.parent
 CORE = Path("/usr/share/arduino/hardware/arduino/avr")  # Debian's arduino-core-avr
-IDE = ("-mmcu=atmega328p", "-DF_CPU=16000000L", "-DARDUINO=10819", "-DARDUINO_AVR_UNO", "-Os", "-ffunction-sections")
+IDE_FLAGS = ("-mmcu=atmega328p", "-DF_CPU=16000000L", "-DARDUINO=10819", "-DARDUINO_AVR_UNO", "-Os", "-ffunction-sections")
 SKETCHES: dict[str, tuple[str, dict[str, Any]]] = {
     "seconds": ("crawler", {"emit": {"tick_period": None}}),
     "ticks": ("crawler", {}),
@@ -47,7 +49,7 @@ SKETCHES: dict[str, tuple[str, dict[str, Any]]] = {
     "repeat, seconds": ("watchman", {"emit": {"tick_period": None}, "prescribed_time": "15.90001"}),
     "hold": ("omni_board", {"control": {"outside": "hold"}, "emit": {"selftest": False}}),
 }
-COUNTED = ("omni_s2", "trolley", "spacecraft", "crane", "drone", "arm", "attitude")
+COUNTED_TASKS = ("omni_s2", "trolley", "spacecraft", "crane", "drone", "arm", "attitude")
 HARNESS = """#include <avr/sleep.h>
 static uint32_t dice = 1;
 static int slow_read(int pin) {
@@ -99,25 +101,26 @@ void loop() {
 
 
 def run(command: list[Any], folder: Path) -> str:
-    done = subprocess.run([str(c) for c in command], cwd=folder, capture_output=True, text=True, check=False, timeout=120)
-    if done.returncode:
-        raise SystemExit(f"{command[0]}: {done.stderr[-2000:]}")
-    return done.stdout + done.stderr
+    """Run a command in the folder, and return its output. Raises SystemExit with its errors where it fails."""
+    process = subprocess.run([str(c) for c in command], cwd=folder, capture_output=True, text=True, check=False, timeout=120)
+    if process.returncode:
+        raise SystemExit(f"{command[0]}: {process.stderr[-2000:]}")
+    return process.stdout + process.stderr
 
 
 def core_objects(folder: Path) -> list[Path]:
-    """Arduino's core, compiled once."""
+    """Compile Arduino's core, and return its object files."""
     includes = [f"-I{CORE / 'cores' / 'arduino'}", f"-I{CORE / 'variants' / 'standard'}"]
     objects = []
     for part in sorted((CORE / "cores" / "arduino").glob("*.c*")):
         driver = ["avr-g++", "-std=gnu++11", "-fpermissive", "-fno-exceptions"] if part.suffix == ".cpp" else ["avr-gcc"]
         objects.append(folder / f"core_{part.stem}_{part.suffix[1:]}.o")
-        run([*driver, *IDE, *includes, "-DDECIMAL_DIG=__DECIMAL_DIG__", "-w", "-c", part, "-o", objects[-1]], folder)
+        run([*driver, *IDE_FLAGS, *includes, "-DDECIMAL_DIG=__DECIMAL_DIG__", "-w", "-c", part, "-o", objects[-1]], folder)
     return objects
 
 
-def image(controller: EmittedController, steps: int, core: list[Path], folder: Path) -> Path:
-    """The sketch for an Uno, its sensors slow, what the controller is called with on the serial line."""
+def build_image(controller: EmittedController, steps: int, core: list[Path], folder: Path) -> Path:
+    """Build the sketch for an Uno with slow sensors; it writes the controller's arguments on the serial line."""
     p, n = controller.task.name, f"{controller.task.name.upper()}_N"
     write_files(folder, package(controller, "arduino"))
     source = folder / p / "src"
@@ -125,21 +128,23 @@ def image(controller: EmittedController, steps: int, core: list[Path], folder: P
     integers = controller.program.tick is not None
     by_ticks = controller.task.emit.tick_period is not None and controller.task.control.outside == "return"
     number = "int32_t" if integers else f"{p}_real"
-    function, kept = (f"{p}_guard", f", {number} held[2]") if controller.task.control.outside == "hold" else (f"{p}_control", "")
+    function, extra_parameter = (
+        (f"{p}_guard", f", {number} held[2]") if controller.task.control.outside == "hold" else (f"{p}_control", "")
+    )
     words = {
         "readings": ", ".join(map(str, covered_readings(controller.task))),
         "most": int(loop_times(controller).period * 2_500_000), "steps": steps, "status": f"{p}_status",
         "time": "uint32_t" if by_ticks else number, "function": f"{function}{'_tick' if by_ticks and not integers else ''}",
-        "parameters": f"{'uint32_t' if by_ticks else number} t, const {number} x[{n}]{kept}, {number} u[{n}]",
-        "arguments": "t, x, held, u" if kept else "t, x, u",
+        "parameters": f"{'uint32_t' if by_ticks else number} t, const {number} x[{n}]{extra_parameter}, {number} u[{n}]",
+        "arguments": "t, x, held, u" if extra_parameter else "t, x, u",
     }  # fmt: skip
     (folder / "main.cpp").write_text(HARNESS % words)
     includes = [f"-I{v}" for v in (CORE / "cores" / "arduino", CORE / "variants" / "standard", source, folder)]
     objects = [folder / "main.o"]
-    run(["avr-g++", *IDE, *includes, "-std=gnu++11", "-include", "Arduino.h", "-c", "main.cpp", "-o", objects[0]], folder)
+    run(["avr-g++", *IDE_FLAGS, *includes, "-std=gnu++11", "-include", "Arduino.h", "-c", "main.cpp", "-o", objects[0]], folder)
     for file in source.glob("*.c"):
         objects.append(folder / f"{file.stem}.o")
-        run(["avr-gcc", *IDE, *includes, "-std=gnu11", "-ffp-contract=off", "-c", file, "-o", objects[-1]], folder)
+        run(["avr-gcc", *IDE_FLAGS, *includes, "-std=gnu11", "-ffp-contract=off", "-c", file, "-o", objects[-1]], folder)
     wrap = f"-Wl,--gc-sections,--wrap={words['function']}"
     run(["avr-g++", "-mmcu=atmega328p", wrap, *objects, *core, "-lm", "-o", "uno.elf"], folder)
     return folder / "uno.elf"
@@ -151,20 +156,29 @@ def covered_readings(task: Task) -> list[int]:
     return [round(1023 * (start - low) / (high - low)) for start in task.initial_state]
 
 
-def tube_time(controller: EmittedController, steps: int, core: list[Path]) -> tuple[int, Fraction, Fraction, int]:
-    """Samples, the farthest that tube and clock were apart (seconds), how far they may be, and late steps."""
+@dataclass(frozen=True)
+class ClockComparison:
+    """Largest difference of the tube's time and the clock over the samples, and the allowed one, both in seconds."""
+
+    samples: int
+    difference: Fraction
+    limit: Fraction
+    late_steps: int
+
+
+def compare_clock(controller: EmittedController, steps: int, core: list[Path]) -> ClockComparison:
+    """Run a sketch in simavr, and compare the tube's time with the clock. Raises SystemExit where samples are missing."""
     task = controller.task
     with tempfile.TemporaryDirectory() as name:
-        output = run(["simavr", "-m", "atmega328p", "-f", "16000000", image(controller, steps, core, Path(name))], Path(name))
+        output = run(
+            ["simavr", "-m", "atmega328p", "-f", "16000000", build_image(controller, steps, core, Path(name))], Path(name)
+        )
     lines = (DECORATION.sub("", line) for line in output.splitlines())
     rows = [[int(line[k : k + 8], 16) for k in (0, 8, 16)] for line in lines if re.fullmatch(r"[0-9a-f]{24}", line)]
     if len(rows) != steps:
         raise SystemExit(f"{task.name}: {len(rows)} samples for {steps}: {output[-500:]}")
-    by_ticks, cycle, worst = (
-        task.emit.tick_period is not None and task.control.outside == "return",
-        cycle_of(controller.design),
-        Fraction(0),
-    )
+    by_ticks = task.emit.tick_period is not None and task.control.outside == "return"
+    cycle, largest = cycle_of(controller.design), Fraction(0)
     for now, bits, _ in rows:
         clock = Fraction((now - rows[0][0]) % 2**32, 10**6)
         if by_ticks:
@@ -176,28 +190,29 @@ def tube_time(controller: EmittedController, steps: int, core: list[Path]) -> tu
             clock -= cycle.length * (1 + int((clock - cycle.end) / cycle.length))
         if not task.repeat:
             clock, tube = min(clock, task.prescribed_time), min(tube, task.prescribed_time)
-        worst = max(worst, abs(clock - tube))
+        largest = max(largest, abs(clock - tube))
     limit = task.emit.tick_period if by_ticks else 4 * Fraction(1, 2**24) * task.prescribed_time + Fraction(1, 10**6)
     assert limit is not None
-    return len(rows), worst, limit, rows[-1][2]
+    return ClockComparison(len(rows), largest, limit, rows[-1][2])
 
 
-def counted(controller: EmittedController, count: int) -> int:
-    """The most cycles of `control` that were seen, near the tube and in it."""
+def largest_cycles(controller: EmittedController, count: int) -> int:
+    """Return the largest number of cycles of `control`, at states near the tube and in it."""
     board, task = Emulated(controller, BOARDS["avr"], ("-Os",)), controller.task
     if controller.program.tick is not None:
         tick, *states = ticks_and_states(controller, controller.design, count)
         board.call("control", tick, *states)
     else:
-        dice = np.random.default_rng(1)
+        rng = np.random.default_rng(1)
         t = np.linspace(0, float(task.prescribed_time), count).astype(np.float32)
         lower, upper = GeneratedPython(controller).call("tube", t.astype(float))
-        x = (lower + (upper - lower) * dice.uniform(-0.1, 1.1, lower.shape)).astype(np.float32)
-        board.call("control", t, x, *([dice.uniform(-0.1, 0.1, x.shape).astype(np.float32)] * (task.order == 2)))
+        x = (lower + (upper - lower) * rng.uniform(-0.1, 1.1, lower.shape)).astype(np.float32)
+        board.call("control", t, x, *([rng.uniform(-0.1, 0.1, x.shape).astype(np.float32)] * (task.order == 2)))
     return board.counts["control"].summary().maximum
 
 
 def main() -> int:
+    """Run all sketches and count all controllers, and print the tables. Return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--steps", type=int, default=150)
     parser.add_argument("--count", type=int, default=60)
@@ -205,29 +220,30 @@ def main() -> int:
     for tool in ("avr-gcc", "simavr"):
         if shutil.which(tool) is None:
             raise MissingTool(f"{tool} is not found; install (Debian names): gcc-avr avr-libc simavr arduino-core-avr")
-    good, rows = True, []
+    all_good, rows = True, []
     with tempfile.TemporaryDirectory() as folder:
         core = core_objects(Path(folder))
-        for variant, (name, changed) in SKETCHES.items():
-            controller = build_task(load_task(ROOT / "tasks" / f"{name}.toml").changed(**changed))
-            samples, worst, limit, late = tube_time(controller, options.steps, core)
-            good &= worst <= limit
-            figures = [f"{float(v) * 1e6:,.1f}" for v in (worst, limit)]
-            rows.append([f"{name}, {variant}", str(samples), *figures, str(late), "yes" if worst <= limit else "NO"])
+        for variant, (name, options_of_task) in SKETCHES.items():
+            controller = build_task(load_task(ROOT / "tasks" / f"{name}.toml").changed(**options_of_task))
+            c = compare_clock(controller, options.steps, core)
+            is_equal = c.difference <= c.limit
+            all_good &= is_equal
+            microseconds = [f"{float(v) * 1e6:,.1f}" for v in (c.difference, c.limit)]
+            rows.append([f"{name}, {variant}", str(c.samples), *microseconds, str(c.late_steps), "yes" if is_equal else "NO"])
     print(table(["", "samples", "tube and clock apart, us", "allowed, us", "late", "kept"], rows), flush=True)
     rows = []
-    for name in COUNTED:
+    for name in COUNTED_TASKS:
         task = load_task(ROOT / "tasks" / f"{name}.toml")
         for kind, controller in (*((k, in_floats(task, k)) for k in ("libm", "inline")), ("integers", build_task(limited(task)))):
-            known, most = step_cycles(controller), counted(controller, options.count)
-            assert known is not None
-            off = known / most - 1
-            within = abs(off) <= RELATIVE_ERROR
-            good &= within
-            rows.append([f"{name}, {kind}", f"{most:,}", f"{known:,}", f"{off:+.1%}", "yes" if within else "NO"])
+            estimate, cycles = step_cycles(controller), largest_cycles(controller, options.count)
+            assert estimate is not None
+            error = estimate / cycles - 1
+            is_close = abs(error) <= RELATIVE_ERROR
+            all_good &= is_close
+            rows.append([f"{name}, {kind}", f"{cycles:,}", f"{estimate:,}", f"{error:+.1%}", "yes" if is_close else "NO"])
     print(table(["", "cycles counted, most", "estimate", "off", "within"], rows))
-    print("every tube is where the clock is, every estimate within its error" if good else "NOT KEPT: see NO above")
-    return int(not good)
+    print("every tube is where the clock is, every estimate within its error" if all_good else "NOT KEPT: see NO above")
+    return int(not all_good)
 
 
 if __name__ == "__main__":

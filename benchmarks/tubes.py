@@ -1,12 +1,10 @@
-"""How good are the tubes: least width over the widest box that gets through, peak speed over the slowest tube's, and whether the
-tool's own tube at another min_width is wider and no faster.
+"""Measure how good tubes are: smallest width over the widest box with a route, and peak speed over the slowest tube's.
 
     python -m benchmarks tubes [--family paper] [--count 60] [--others 0] [--disc]
 
-The widest box is found by halving on the width of a route; no tube along a route can be wider. --others N: so many arenas are
-designed again at other least widths. --disc: a disc, and the same covered by 16, 64 and
-128 boxes. Exit code 1
-where an arena with a way has no certificate, or such a tube is found.
+No tube along a route can be wider than the widest box that has a route, which is searched by bisection. --others N: N arenas are
+designed again with other min_width. --disc: a disc is compared with covers of it by 16, 64 and 128 boxes. The exit code is 1
+where an arena with a way has no certificate, or where another min_width gives a wider tube that is no faster.
 """
 
 from __future__ import annotations
@@ -30,100 +28,109 @@ from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
 
-WIDER, FASTER = 1.1, 1.001  # a tube so much wider at no more than so much of the speed dominates
-OTHERS = (0.1, 0.2, 0.3, 0.4, 0.5)  # least widths to try, of the narrower of start and target
+WIDER, FASTER = 1.1, 1.001  # a tube is dominated by one that is WIDER times as wide and at most FASTER times as fast
+WIDTH_SHARES = (0.1, 0.2, 0.3, 0.4, 0.5)  # values of min_width to try, over the width of start and target
+START_WIDTH = 0.5  # of start and target
 
 
-def seeds(family: str, count: int) -> list[int]:
-    """The first arenas of a family in which a point finds a way."""
-    found: list[int] = []
+def first_feasible_seeds(family: str, count: int) -> list[int]:
+    """Return the seeds of the first `count` feasible arenas of a family."""
+    feasible_seeds: list[int] = []
     seed = 0
-    while len(found) < count:
+    while len(feasible_seeds) < count:
         if is_feasible(FAMILIES[family], seed):
-            found.append(seed)
+            feasible_seeds.append(seed)
         seed += 1
-    return found
+    return feasible_seeds
 
 
-def measured(design: Any) -> tuple[float, float]:
-    """The least width and the peak speed of a tube, by its Bezier coefficients."""
+def width_and_speed(design: Any) -> tuple[float, float]:
+    """Return the smallest width and the peak speed of a tube, by its Bezier coefficients."""
     bezier, unit = design.bezier(), float(design.unit)
     steps = np.abs(np.diff(bezier, axis=3)).max() * unit
     return float((bezier[:, :, 1] - bezier[:, :, 0]).min()) * unit, float(steps * 3 * design.segments / design.prescribed_time)
 
 
 def widest_box(task: Task) -> float:
-    """The largest width of a box that has a route, alike in every dimension, in the task's units."""
+    """Return the largest width of a cube that has a route, in the task's units."""
     lattice = lattice_of(task)
     arena = normalise(arena_of(task, lattice), lattice.exponent)
     start = starting_box(arena)
     full = float(np.minimum(start[1] - start[0], arena.target[1] - arena.target[0]).min())
 
-    def way(width: float) -> bool:
+    def has_route(width: float) -> bool:
         return find_route(arena, start, np.full(arena.dimension, width)) is not None
 
     low, high = arena.min_width, full
-    if way(high):
+    if has_route(high):
         return high * arena.length_unit
     while high - low > 1e-3 * full:
         middle = (low + high) / 2
-        low, high = (middle, high) if way(middle) else (low, middle)
+        low, high = (middle, high) if has_route(middle) else (low, middle)
     return low * arena.length_unit
 
 
 def quantiles(values: list[float], low: bool = False) -> str:
+    """Return the median and the 95 % quantile as text; with `low` the 5 % quantile instead."""
     return f"{np.median(values):.3f} / {np.quantile(values, 0.05 if low else 0.95):.3f}"
 
 
-def look(family: str, count: int, others: int) -> bool:
-    width, speed, both, milliseconds = [], [], [], []
+def measure_family(family: str, count: int, compared_count: int) -> bool:
+    """Design the first feasible arenas of a family, and print the measurements.
+
+    compared_count: number of arenas that are designed again with other min_width. Return whether all are certified and none is
+    dominated.
+    """
+    width, speed, design_ms, total_ms = [], [], [], []
     missing: list[int] = []
     dominated: list[int] = []
-    for k, seed in enumerate(seeds(family, count)):
+    for k, seed in enumerate(first_feasible_seeds(family, count)):
         task = arena_task(FAMILIES[family], seed)
         begin = time.process_time()
         try:
             design = refine(task)
-            done = time.process_time()
-            good = certify(task, design, build_program(task, design)).holds
+            designed = time.process_time()
+            is_certified = certify(task, design, build_program(task, design)).holds
         except NotCertified:
-            good = False
-        if not good:
+            is_certified = False
+        if not is_certified:
             missing.append(seed)
             continue
-        if k:  # the first pays for imports
-            milliseconds.append(1e3 * (done - begin))
-            both.append(1e3 * (time.process_time() - begin))
-        w, v = measured(design)
+        if k:  # the time of the first arena contains imports
+            design_ms.append(1e3 * (designed - begin))
+            total_ms.append(1e3 * (time.process_time() - begin))
+        w, v = width_and_speed(design)
         width.append(w / widest_box(task))
-        speed.append(v / measured(refine(task.changed(tube={"prefer": "slow"})))[1])
-        if k < others:
-            dominated += [seed] if _dominated(task, w, v) else []
+        speed.append(v / width_and_speed(refine(task.changed(tube={"prefer": "slow"})))[1])
+        if k < compared_count:
+            dominated += [seed] if _is_dominated(task, w, v) else []
     print(f"{family}: {len(width)} of {count} certified{f', not {missing}' if missing else ''}")
     print(f"  least width over the widest box's, median / 5 %: {quantiles(width, low=True)}")
     print(f"  peak speed over the slowest tube's, median / 95 %: {quantiles(speed)}")
-    print(f"  design, ms, median / 95 %: {quantiles(milliseconds)}; with certificate: {quantiles(both)}")
-    if others:
-        print(f"  dominated by a tube at another min_width: {len(dominated)} of {min(others, count)} {dominated or ''}")
+    print(f"  design, ms, median / 95 %: {quantiles(design_ms)}; with certificate: {quantiles(total_ms)}")
+    if compared_count:
+        print(f"  dominated by a tube at another min_width: {len(dominated)} of {min(compared_count, count)} {dominated or ''}")
     return not missing and not dominated
 
 
-def _dominated(task: Task, width: float, speed: float) -> bool:
-    full = 0.5
-    for share in OTHERS:
+def _is_dominated(task: Task, width: float, speed: float) -> bool:
+    """Return whether another min_width gives a tube that is wider than `width` and no faster than `speed`."""
+    for share in WIDTH_SHARES:
         try:
-            other = refine(task.changed(tube={"min_width": Fraction(str(share * full))}))
+            design = refine(task.changed(tube={"min_width": Fraction(str(share * START_WIDTH))}))
         except NotCertified:
             continue
-        w, v = measured(other)
+        w, v = width_and_speed(design)
         if w >= WIDER * width and v <= FASTER * speed:
             return True
     return False
 
 
-def disc(boxes: int) -> Task:
-    """A disc of radius 0.5 in the middle of the paper's room, itself (0) or covered by upright strips, each cover within the
-    last."""
+def disc_task(boxes: int) -> Task:
+    """Return the task of a disc of radius 0.5 in the middle of the paper's arena.
+
+    boxes: the number of upright strips that cover it; 0 for the disc itself. A cover with more strips is within one with fewer.
+    """
     lines = [] if boxes else ["[[unsafe]]\ncentre = [2.5, 2.5]\nradius = 0.5\n"]
     for k in range(boxes):
         low, high = -0.5 + k / boxes, -0.5 + (k + 1) / boxes
@@ -138,17 +145,18 @@ def disc(boxes: int) -> Task:
 
 
 def main() -> int:
+    """Measure all families. Return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--family", action="append", choices=sorted(FAMILIES))
     parser.add_argument("--count", type=int, default=60)
     parser.add_argument("--others", type=int, default=0)
     parser.add_argument("--disc", action="store_true")
     options = parser.parse_args()
-    good = [look(family, options.count, options.others) for family in options.family or ["paper"]]
+    results = [measure_family(family, options.count, options.others) for family in options.family or ["paper"]]
     if options.disc:
-        widths = {boxes: measured(refine(disc(boxes)))[0] for boxes in (0, 16, 64, 128)}
+        widths = {boxes: width_and_speed(refine(disc_task(boxes)))[0] for boxes in (0, 16, 64, 128)}
         print("disc: least width " + ", ".join(f"by {k} boxes {w:.3f}" if k else f"itself {w:.3f}" for k, w in widths.items()))
-    return 0 if all(good) else 1
+    return 0 if all(results) else 1
 
 
 if __name__ == "__main__":

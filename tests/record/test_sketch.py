@@ -381,9 +381,9 @@ def test_the_estimate_of_an_unos_cycles_is_near_the_simulated_count(name: str, s
     """With the compiler's options of Arduino's IDE; benchmarks/sketch_time.py counts more tasks and points."""
     for program in ("avr-gcc", "simavr"):
         tool(program)
-    from benchmarks.sketch_time import counted
+    from benchmarks.sketch_time import largest_cycles
 
     controller = built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(scalar=scalar))
     estimate = step_cycles(controller)
     assert estimate is not None
-    assert abs(Fraction(estimate, counted(controller, 12)) - 1) <= RELATIVE_ERROR
+    assert abs(Fraction(estimate, largest_cycles(controller, 12)) - 1) <= RELATIVE_ERROR

@@ -307,9 +307,9 @@ def test_a_concave_region_is_refused_to_be_in_and_noted_to_avoid(entry: str, is_
 def test_walls_are_convex_and_fill_exactly_the_box_outside_the_room(first: int) -> None:
     """Rooms are stars and mazes with holes, on two of two or more axes."""
     for seed in range(first, first + 20):
-        drawn = rooms.draw(seed)
-        task = parse_task(rooms.text_of(drawn))
-        assert partition_fault(drawn.room, [corners_of(table) for table in task.unsafe]) is None, seed
+        drawn = rooms.draw_room(seed)
+        task = parse_task(rooms.task_text(drawn))
+        assert partition_fault(drawn.listed_room, [corners_of(table) for table in task.unsafe]) is None, seed
 
 
 coordinates = st.integers(-3, 3)
@@ -347,7 +347,7 @@ def test_any_simple_polygon_is_partitioned_exactly(points: list[tuple[int, int]]
 
 def test_certified_rooms_contain_their_tubes() -> None:
     """These are three of the rooms that benchmarks/rooms.py measures."""
-    assert {rooms.judge(seed, 2, False).outcome for seed in (6, 9, 11)} == {"certified"}
+    assert {rooms.judge_room(seed, 2, False).outcome for seed in (6, 9, 11)} == {"certified"}
 
 
 def test_the_oracle_of_rooms_recognizes_a_box_outside() -> None:
