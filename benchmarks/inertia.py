@@ -23,10 +23,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from stt_codegen.design.arena import arena_of, normalise, starting_box
 
 from benchmarks.suites.families import FAMILIES, arena_task
 from benchmarks.suites.report import command, machine, record
+from stt_codegen.design.arena import arena_of, normalise, starting_box
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.routes.shortest_route import shortest_route
 from stt_codegen.errors import MissingTool, NotCertified
