@@ -24,7 +24,7 @@ from stt_codegen import pipeline
 from stt_codegen.arrays import as_floats
 from stt_codegen.certify import Certificate, Finding
 from stt_codegen.design_kinds import kinds_offering
-from stt_codegen.designs import Design
+from stt_codegen.designs import Design, uncertified_alpha_step
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.task import Task, load_task, parse_task
@@ -277,7 +277,7 @@ class Controller(pipeline.EmittedController):
             raise BadInput(f"{self.task.name}: a {self.design.kind} tube has no alpha")
         times, single = self._times(t, finite=True)
         steps = self.certificate.steps
-        longest = float(steps[1]) if steps is not None else float(self.task.prescribed_time) / 2000
+        longest = float(steps[1]) if steps is not None else float(uncertified_alpha_step(self.task.prescribed_time))
         start, alpha, alpha_at = 0.0, self.module.alpha_init(), {}
         for end in np.unique(np.maximum(times, 0.0)):
             count = int(np.ceil((end - start) / longest)) if end > start else 0

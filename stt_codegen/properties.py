@@ -70,3 +70,6 @@ class Property(Enum):
 
 OF_THE_EDGES = (Property.WIDTH, Property.START, Property.STAY, Property.AVOID, Property.REACH, Property.MISSION)
 """The properties that need a margin for the arithmetic's error of an edge."""
+
+OF_THE_INPUT = frozenset({Property.LIMITS, Property.PERIOD})
+"""The properties that say that the input is strong enough; the tube itself may be certified without them."""

@@ -13,7 +13,7 @@ from fractions import Fraction
 from stt_codegen.certify.monitor import Cycle, Witness
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import kinds_offering
-from stt_codegen.properties import OF_THE_EDGES, SECONDS, Property
+from stt_codegen.properties import OF_THE_EDGES, OF_THE_INPUT, SECONDS, Property
 from stt_codegen.task.mission import Formula, StateFormula
 
 
@@ -148,7 +148,7 @@ class Certificate:
     @property
     def tube_holds(self) -> bool:
         """Whether P1 to P7 and P10 are proved, with or without P8 and P9."""
-        return self.proves and all(f.holds for f in self.findings if f.subject not in (Property.LIMITS, Property.PERIOD))
+        return self.proves and all(f.holds for f in self.findings if f.subject not in OF_THE_INPUT)
 
     @property
     def lacks_rounding(self) -> bool:

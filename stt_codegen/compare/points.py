@@ -12,11 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen import reference
-from stt_codegen.designs import MINIMUM_WIDTH, AdaptiveDesign, grid_tube, parameters_of
+from stt_codegen.designs import ALPHA_STEPS, MINIMUM_WIDTH, AdaptiveDesign, grid_tube, parameters_of
 from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
-GRID_STEPS = 2000  # of alpha, from 0 to t_c
 
 
 def _number_type(scalar: str) -> type:
@@ -83,9 +82,9 @@ def random_alpha(design: AdaptiveDesign, t: Array, scalar: str) -> tuple[Array, 
     number_type = _number_type(scalar)
     random = np.random.default_rng(20242)
     p = parameters_of(design)
-    grid_times, grid_alpha, _, _ = grid_tube(design, GRID_STEPS)
+    grid_times, grid_alpha, _, _ = grid_tube(design, ALPHA_STEPS)
     clamped_t = np.clip(t.astype(float), 0, float(design.prescribed_time))
-    grid_step = float(design.prescribed_time) / GRID_STEPS
+    grid_step = float(design.prescribed_time) / ALPHA_STEPS
     k = np.clip(np.searchsorted(grid_times, clamped_t - grid_step), 0, len(grid_times) - 1)
     alpha = reference.alpha_steps(p, clamped_t - grid_step, np.full(len(t), grid_step), grid_alpha[k])
     psi = reference.lines(p, clamped_t).psi

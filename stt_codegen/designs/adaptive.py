@@ -21,6 +21,7 @@ from stt_codegen.designs.tube import LOWER, UPPER, Array, Design, Edge, require_
 from stt_codegen.errors import BadInput
 
 GRID_STEPS = 4000  # steps from 0 to t_c
+ALPHA_STEPS = 2000  # steps of alpha from 0 to t_c, where no certificate bounds them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,6 +159,11 @@ class GridTube(NamedTuple):
     alpha: Array
     gamma: Array
     rate: Array
+
+
+def uncertified_alpha_step(prescribed_time: Fraction) -> Fraction:
+    """Return the step of alpha, in seconds, that is taken where no certificate says how long a step may be."""
+    return prescribed_time / ALPHA_STEPS
 
 
 def grid_tube(design: AdaptiveDesign, steps: int = GRID_STEPS) -> GridTube:

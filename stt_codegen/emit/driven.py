@@ -6,7 +6,7 @@ from __future__ import annotations
 from stt_codegen.certify import Certificate
 from stt_codegen.certify.missions import cycle_of
 from stt_codegen.controller.integers import build_integer_law
-from stt_codegen.designs import Design, require_refined
+from stt_codegen.designs import Design, require_refined, uncertified_alpha_step
 from stt_codegen.emit.integers import power_of_two
 from stt_codegen.emit.naming import file_names, guard_name, wrap_name
 from stt_codegen.plants import Model, model
@@ -16,14 +16,11 @@ from stt_codegen.program.targets.c import CPrinter
 from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import Task
 
-ALPHA_STEPS = 2000  # over t_c, where the certificate has no longest step of alpha
-
 
 def driven_sources(task: Task) -> list[str]:
     """Return the names of the emitted C files that a closed loop compiles."""
-    _, source, *_ = file_names(task.name)
     guard = [guard_name(task.name)] if task.control.outside != "return" else []
-    return [source, *guard, *([wrap_name(task.name)] if task.repeat else [])]
+    return [file_names(task.name).source, *guard, *([wrap_name(task.name)] if task.repeat else [])]
 
 
 def cycle_literal(design: Design) -> str | None:
@@ -44,7 +41,7 @@ def adapter_source(task: Task, design: Design, certificate: Certificate) -> str:
             table=[[f"{v}.0" for v in row] for row in refined.integers().reshape(len(refined.table), -1)],
         )  # fmt: skip
     steps = certificate.steps
-    longest_step = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / ALPHA_STEPS)
+    longest_step = repr(float(steps[1])) if steps is not None else repr(float(uncertified_alpha_step(task.prescribed_time)))
     return template("loop/adapter.c.j2").render(
         prefix=task.name, macro=task.name.upper(), is_stateful=design.is_stateful, longest=longest_step, order=task.order,
         outside=task.control.outside, differs=task.uses_differences, cycle=cycle_literal(design),

@@ -8,16 +8,26 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 from stt_codegen.errors import BadInput
 from stt_codegen.program import Assign, Call, For, Program, Return, Statement
 from stt_codegen.program.targets import TARGETS
 
 
-def file_names(prefix: str) -> tuple[str, ...]:
-    """Return the files that every task has: those of languages that are always emitted (.h, .c, .py), and the certificate."""
-    emitted = [name for target in TARGETS if not target.option for name in target.file_names(prefix)]
-    return (*emitted, f"{prefix}.certificate.json")
+class CommonFiles(NamedTuple):
+    """The names of the files that every task has: C and its header, the Python module, and the certificate."""
+
+    header: str
+    source: str
+    module: str
+    certificate: str
+
+
+def file_names(prefix: str) -> CommonFiles:
+    """Return the names of the files that every task has; those of code are of the languages that are always emitted."""
+    header, source, module = (name for target in TARGETS if not target.option for name in target.file_names(prefix))
+    return CommonFiles(header, source, module, f"{prefix}.certificate.json")
 
 
 def selftest_name(prefix: str) -> str:

@@ -54,8 +54,7 @@ def render(task: Task, design: Design, program: Program, certificate: Certificat
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
     if task.expanded_text is not None:
         encoded[spelled_name(task.name)] = task.expanded_text.encode()
-    *_, certificate_name = file_names(task.name)
-    encoded[certificate_name] = certificate_text(task, design, program, certificate, digests).encode()
+    encoded[file_names(task.name).certificate] = certificate_text(task, design, program, certificate, digests).encode()
     return encoded
 
 

@@ -150,20 +150,22 @@ def controller_unit(controller: EmittedController) -> Unit:
         prefix=task.name, macro=task.name.upper(), order=task.order, outside=task.control.outside,
         cycle=cycle_literal(design), phases=has_phases, places=variables.places, proved=proved is not None,
     )  # fmt: skip
-    header, _, _, proof = file_names(task.name)
-    sources = [header, *driven_sources(task), *([phase_name(task.name)] if has_phases else [])]
+    common = file_names(task.name)
+    sources = [common.header, *driven_sources(task), *([phase_name(task.name)] if has_phases else [])]
     verdict = "certified" if certificate.holds else "NOT CERTIFIED"
     return Unit(
         name=task.name,
         description=f"Prescribed-time reach-avoid-stay controller {task.name}, {design.kind} tube, {verdict}",
         variables=tuple(variables.variables),
         body=body,
-        header=header,
+        header=common.header,
         sources={name: controller.files[name] for name in sources},
         state_members=_state_members(task.control.outside, proved is not None),
         stop_time=_double_literal(task.prescribed_time),
         step_size="" if task.control.period is None else _double_literal(task.control.period),
-        extras={name: controller.files[name] for name in (proof, spelled_name(task.name)) if name in controller.files},
+        extras={
+            name: controller.files[name] for name in (common.certificate, spelled_name(task.name)) if name in controller.files
+        },
     )
 
 

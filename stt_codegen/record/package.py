@@ -71,7 +71,7 @@ def package(controller: EmittedController, kind: str, plant: Model | None = None
 def _library(kind: str, controller: EmittedController) -> Files:
     """Return a folder <p>/ for a build system: its files, the C in src/, the certificate and the Python in extras/."""
     prefix = controller.task.name
-    header, source, module, proof = file_names(prefix)
+    common = file_names(prefix)
     inline, integers = controller.task.emit.math == "inline", controller.program.tick is not None
     sketch = "sketch_fixed.ino" if integers else "sketch.ino"
     words = {
@@ -99,11 +99,13 @@ def _library(kind: str, controller: EmittedController) -> Files:
     if kind == "platformio" and integers:  # the example of integers names boards without a floating-point unit
         template_names[f"examples/{prefix}_loop/platformio.ini"] = "platformio.ini"
     optional = (guard_name, phase_name, wrap_name, unwrap_name, selftest_name)
-    sources = [n for n in (header, source, *(name_of(prefix) for name_of in optional)) if n in controller.files]
+    sources = [n for n in (common.header, common.source, *(name_of(prefix) for name_of in optional)) if n in controller.files]
     words["sources"] = " ".join(f"src/{name}" for name in sources if name.endswith(".c"))
     files = {f"src/{name}": controller.files[name] for name in sources}
     files |= {
-        f"extras/{name}": controller.files[name] for name in (module, proof, spelled_name(prefix)) if name in controller.files
+        f"extras/{name}": controller.files[name]
+        for name in (common.module, common.certificate, spelled_name(prefix))
+        if name in controller.files
     }
     files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in template_names.items()}
     return {f"{prefix}/{path}": data for path, data in files.items()}
@@ -130,9 +132,11 @@ def _of_language(target: TargetLanguage, controller: EmittedController) -> Files
         with suppress(BadInput):  # rounding hides u: a package without tests
             test_suites = selftest_suites(task, controller.design, controller.program)
             files[path] = template(f"{target.key}/{name}").render(**words, suites=test_suites).encode()
-    _, _, module, proof = file_names(task.name)
+    common = file_names(task.name)
     files |= {
-        f"extras/{name}": controller.files[name] for name in (module, proof, spelled_name(task.name)) if name in controller.files
+        f"extras/{name}": controller.files[name]
+        for name in (common.module, common.certificate, spelled_name(task.name))
+        if name in controller.files
     }
     return {f"{task.name}/{path}": data for path, data in files.items()}
 

@@ -63,8 +63,8 @@ def ros2_package(controller: EmittedController) -> Files:
     task = controller.task
     _require_external_time(controller)
     package = f"{task.name.lower()}_ros2"
-    header, _, module, proof = file_names(task.name)
-    sources = [header, *driven_sources(task)]
+    common = file_names(task.name)
+    sources = [common.header, *driven_sources(task)]
     words = {
         **_names_for_templates(controller, package, sources),
         **_times_for_templates(controller),
@@ -79,7 +79,9 @@ def ros2_package(controller: EmittedController) -> Files:
     files["setup.cfg"] = f"[develop]\nscript_dir=$base/lib/{package}\n[install]\ninstall_scripts=$base/lib/{package}\n".encode()
     files |= {f"src/{name}": controller.files[name] for name in sources}
     files |= {
-        f"extras/{name}": controller.files[name] for name in (module, proof, spelled_name(task.name)) if name in controller.files
+        f"extras/{name}": controller.files[name]
+        for name in (common.module, common.certificate, spelled_name(task.name))
+        if name in controller.files
     }
     return {f"{package}/{path}": data for path, data in files.items()}
 

@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 from stt_codegen.certify.missions import cycle_of
+from stt_codegen.designs import uncertified_alpha_step
 from stt_codegen.emit import clock_words
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
@@ -22,7 +23,6 @@ from stt_codegen.report import input_report
 DEFAULT_PERIOD = Fraction(1, 100)  # seconds between samples of the sketch, unless the task needs longer or shorter ones
 JITTER_SHARE = Fraction(1, 10)  # of the longest proved gap, left for samples that come late
 MICROS_RESOLUTION = 4  # microseconds, of micros() on an Uno
-ALPHA_STEPS = 2000  # from 0 to t_c, where the certificate does not bound the steps of alpha
 MICROSECOND = Fraction(1, 10**6)
 
 
@@ -112,7 +112,7 @@ def sketch_words(controller: EmittedController) -> dict[str, Any]:
         "proved_by": "" if times.longest is None else times.source,
         "shortest_us": _ceil_us(task.shortest_period) if task.uses_differences else 0,
         "latency_us": _floor_us(task.control.latency),
-        "alpha_us": _floor_us(steps[1] if steps else task.prescribed_time / ALPHA_STEPS),
+        "alpha_us": _floor_us(steps[1] if steps else uncertified_alpha_step(task.prescribed_time)),
     }
     if cycle is not None:
         length = cycle.length / MICROSECOND

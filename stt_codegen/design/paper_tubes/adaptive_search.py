@@ -27,7 +27,7 @@ from stt_codegen.paper.smooth import smooth_join, smooth_max
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
-GRID_STEPS = 450  # time steps of the search's tube
+SEARCH_STEPS = 450  # time steps of the search's tube
 WALL_INSET_SHARE = 0.02  # of the target margin: rest levels stay clear of the walls, since an enclosure cannot show equality
 BITS = 18  # significant bits of every parameter
 
@@ -154,7 +154,7 @@ class _Model:
 
     def __init__(self, arena: Arena, design: AdaptiveDesign, settings: Settings) -> None:
         self.arena, self.design, self.settings = arena, design, settings
-        self.times: Array = np.array([k * (arena.prescribed_time / GRID_STEPS) for k in range(GRID_STEPS + 1)])
+        self.times: Array = np.array([k * (arena.prescribed_time / SEARCH_STEPS) for k in range(SEARCH_STEPS + 1)])
         distance = arena.clearance + settings.reserve
         self.unsafe = np.stack([arena.unsafe[:, 0] - distance, arena.unsafe[:, 1] + distance], axis=1)
         self.profile = np.array(_grid_profile()(self.times[None], arena.prescribed_time)).ravel()
@@ -200,7 +200,7 @@ class _Model:
         bumps = [b for b in map(self.bump, pushes) if b is not None]
         joined = []
         for side in (LOWER, UPPER):
-            total = np.zeros(GRID_STEPS + 1)
+            total = np.zeros(SEARCH_STEPS + 1)
             for b in bumps:
                 if b.side == side:
                     shape = _grid_bump()(self.times[None], float(b.height), float(b.steepness), float(b.middle), float(b.radius))
@@ -210,33 +210,33 @@ class _Model:
         rho_low = float(a) + float(c - a) * self.profile
         rho_high = float(b_) + float(e - b_) * self.profile
         beta_low, beta_high = float(floor) + joined[LOWER], float(ceiling) - joined[UPPER]
-        step = self.arena.prescribed_time / GRID_STEPS
+        step = self.arena.prescribed_time / SEARCH_STEPS
         parameters = [float(v) for v in (d.theta0, d.kappa, d.mu, d.varsigma, d.nu)]
         _, edges = _grid_tube()(np.zeros(2), np.stack([rho_low, rho_high, beta_low, beta_high]), step, *parameters)
         result = np.array(edges)
         if not np.isfinite(result).all():
-            result = np.stack([np.ones(GRID_STEPS + 1), np.zeros(GRID_STEPS + 1)])  # an empty tube, which the search rejects
+            result = np.stack([np.ones(SEARCH_STEPS + 1), np.zeros(SEARCH_STEPS + 1)])  # an empty tube, which the search rejects
         return result
 
 
 @cache
 def _grid_profile() -> ca.Function:
     t, t_c = ca.SX.sym("t"), ca.SX.sym("t_c")
-    return ca.Function("profile", [t, t_c], [reach_tube.sigma(t, t_c)]).map("p", "serial", GRID_STEPS + 1, [1], [])
+    return ca.Function("profile", [t, t_c], [reach_tube.sigma(t, t_c)]).map("p", "serial", SEARCH_STEPS + 1, [1], [])
 
 
 @cache
 def _grid_bump() -> ca.Function:
     t, *shape = symbols = [ca.SX.sym(n) for n in ("t", "B", "k", "m", "r")]
     return ca.Function("bump", symbols, [bump(t, (*shape, ca.SX(float(CUT["double"]))))]).map(
-        "b", "serial", GRID_STEPS + 1, [1, 2, 3, 4], []
+        "b", "serial", SEARCH_STEPS + 1, [1, 2, 3, 4], []
     )
 
 
 @cache
 def _grid_join() -> ca.Function:
     a, b, nu = (ca.SX.sym(n) for n in ("a", "b", "nu"))
-    return ca.Function("join", [a, b, nu], [smooth_join(a, b, nu)]).map("j", "serial", GRID_STEPS + 1, [2], [])
+    return ca.Function("join", [a, b, nu], [smooth_join(a, b, nu)]).map("j", "serial", SEARCH_STEPS + 1, [2], [])
 
 
 @cache
@@ -258,4 +258,4 @@ def _grid_tube() -> ca.Function:
     high = -smooth_max(-rho_high - after[1], -beta_high, nu)
     inputs = [alpha, lines, step, theta0, kappa, mu, varsigma, nu]
     grid_step = ca.Function("tube", inputs, [ca.vertcat(*after), ca.vertcat(low, high)])
-    return grid_step.mapaccum("tube", GRID_STEPS + 1, [0], [0])
+    return grid_step.mapaccum("tube", SEARCH_STEPS + 1, [0], [0])

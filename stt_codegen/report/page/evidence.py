@@ -26,7 +26,7 @@ from stt_codegen.emit import selftest_name, spelled_name
 from stt_codegen.errors import SttError
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC, find_compiler
-from stt_codegen.properties import Property
+from stt_codegen.properties import OF_THE_INPUT, Property
 from stt_codegen.report.page.bill_of_materials import library_calls
 from stt_codegen.report.page.misra import DEVIATIONS, count_deviations
 from stt_codegen.task import Task
@@ -284,7 +284,7 @@ def _unproved_of_control(controller: EmittedController, proved: set[Property]) -
             + "; what is proved of held inputs stands above under its own assumptions "
             + f"(control.period makes it {Property.PERIOD.label})."
         )
-    if certificate.holds and task.u_max is not None and not proved & {Property.LIMITS, Property.PERIOD}:
+    if certificate.holds and task.u_max is not None and not proved & OF_THE_INPUT:
         yield (
             "That u_max is enough: Theorem 4.1 assumes that u never reaches it "
             f"(bounds in [plant] make that {Property.LIMITS.label})."

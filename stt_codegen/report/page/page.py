@@ -18,7 +18,7 @@ from stt_codegen.emit import notice
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
 from stt_codegen.program.targets.template_files import template, template_folder
-from stt_codegen.properties import Property
+from stt_codegen.properties import OF_THE_INPUT, Property
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.figures import DesignReport
 from stt_codegen.report.page.bill_of_materials import bill_of_materials, library_calls
@@ -118,7 +118,7 @@ def _assumptions(task: Task, certificate: Certificate, calls_library: bool) -> s
     proved_properties = {finding.subject for finding in certificate.findings if finding.holds}
     proved_sampling = f"samples as {Property.PERIOD.label} has them"
     names.append("sampling fast enough" if certificate.proved_period is None else proved_sampling)
-    if task.u_max is not None and not proved_properties & {Property.LIMITS, Property.PERIOD}:
+    if task.u_max is not None and not proved_properties & OF_THE_INPUT:
         names.append("u never reaches u_max")
     if task.body is None:
         names.append("a point for a robot")
