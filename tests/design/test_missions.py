@@ -260,7 +260,7 @@ def test_a_tube_avoids_the_rest_exactly_where_it_lies_in_the_union(data: Any) ->
     formula = data.draw(st.sampled_from(["a or b", "a or b or c", "a or not b", "a and b or c", "not a or not b"]))
     head = COURIER[: COURIER.index("unsafe")].replace("upper = [8, 6]", "upper = [12, 12]")
     task = parse_task(f'{head}region = [{regions}]\nmission = [{{ formula = "{formula}" }}]\n[tube]\nclearance = 0\n')
-    states = state_formulas_of(task.formula)  # type: ignore[arg-type]
+    states = [*state_formulas_of(task.formula)]  # type: ignore[arg-type]
     all_avoidances = [avoidance for state in states for avoidance in mission_avoidances(task, state)]
     avoidances_of_state = {str(state): [a for a in all_avoidances if a.name == str(state)] for state in states}
     low = [data.draw(st.integers(0, 9)) + 0.25 for _ in range(2)]
