@@ -166,7 +166,9 @@ function solid(figure) {
   const darkScheme = window.matchMedia("(prefers-color-scheme: dark)");
   const onSchemeChange = () => { readColours(); requestFrame(); };
   darkScheme.addEventListener("change", onSchemeChange);
-  const show = (t, run) => { lastShown = [t, run]; requestFrame(); };
+  // The page builds its views again when its width changes, as it does for paper: then nobody says again that it is printed.
+  const paperMedia = window.matchMedia("print");
+  const show = (t, run) => { lastShown = [t, run]; requestFrame(); if (paperMedia.matches) paintOnPaper(); };
   show.end = () => { window.removeEventListener("beforeprint", paintOnPaper); darkScheme.removeEventListener("change", onSchemeChange); };
   return show;
 }
