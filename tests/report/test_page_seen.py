@@ -134,7 +134,6 @@ def test_the_report_can_be_printed(open_page: Any, tmp_path: Path) -> None:
         opened_page.page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
         assert opened_page.page.locator("#arena svg.paper polygon").count() > 20
         opened_page.page.set_viewport_size({"width": 700, "height": 900})  # the views are built again, with nothing on paper
-        opened_page.page.wait_for_function("document.getElementById('strips').clientWidth < 700")
-        opened_page.page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        opened_page.page.evaluate("new Promise((done) => setTimeout(() => requestAnimationFrame(done), 300))")
         assert opened_page.page.locator("#arena svg.paper polygon").count() > 20
         assert opened_page.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
