@@ -13,7 +13,7 @@ import pytest
 
 from stt_codegen.program.targets.c.runner import STRICT
 from stt_codegen.task.load import load_task, parse_task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 PAGE = (ROOT / "docs" / "board.md").read_text()
 LEMMAS = (ROOT / "docs" / "lemmas.md").read_text()
@@ -134,7 +134,7 @@ def test_a_documents_loop_takes_its_time_from_the_clock(name: str, tmp_path: Pat
         if name == "cart"
         else load_task(ROOT / "tasks/gantry.toml")
     )
-    (tmp_path / f"{name}.h").write_bytes(built(task).files[f"{name}.h"])
+    (tmp_path / f"{name}.h").write_bytes(build_once(task).files[f"{name}.h"])
     clock, step, user_functions = LOOPS[name]
     declared = f'#include <stdint.h>\n#include "{name}.h"\n' + "".join(
         f"{f};\n" for f in (clock, f"void {step}(void)", *user_functions)

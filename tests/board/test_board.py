@@ -14,14 +14,14 @@ from stt_codegen.errors import MissingTool
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.task import load_task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 INSTRUCTION_LIMITS = {"refined": 330, "adaptive": 1300}  # instructions of the longest control step on a Cortex-M4F, n = 2
 
 
 def controller_of_design(design: str, scalar: str = "float", name: str = "omni_s2") -> EmittedController:
     """Return the controller of an example task with this kind of design and this scalar type."""
-    return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar))
+    return build_once(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar))
 
 
 @pytest.mark.parametrize("board", ["m4f", "m3"])

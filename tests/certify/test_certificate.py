@@ -19,7 +19,7 @@ from stt_codegen.pipeline import EmittedController, build_program, build_task, c
 from stt_codegen.task.load import load_task
 from stt_codegen.task.sets.shapes import UnsafeSet
 from stt_codegen.task.task import Task
-from tests.support.controllers import NAMES, ROOT, built, controller_of
+from tests.support.controllers import NAMES, ROOT, build_once, controller_of
 
 SAMPLES_PER_SEGMENT = 5  # ends included
 
@@ -234,15 +234,15 @@ def moved_task(name: str, far: Fraction, scale: Fraction = Fraction(1)) -> Task:
 def test_far_from_the_origin_float_is_refused_with_the_reason() -> None:
     """At an offset of 5,000,000 floats are half a unit apart: float is refused, whatever the tube."""
     with pytest.raises(NotCertified, match="too narrow.*emit.scalar"):
-        built(moved_task("empty", Fraction(5_000_000)))
+        build_once(moved_task("empty", Fraction(5_000_000)))
 
 
 @pytest.mark.parametrize("far", [Fraction(1000), Fraction(-4821733), Fraction(10**8)])
 @pytest.mark.parametrize("name", ["omni_s2", "spacecraft"])
 def test_a_tube_in_doubles_far_from_the_origin_is_the_one_near_it_moved(name: str, far: Fraction) -> None:
     """The two tables differ by a constant, up to two units: one for rounding, one because `far` need not be a multiple of the unit."""
-    near = built(moved_task(name, Fraction(0)).with_options(scalar="double"))
-    distant = built(moved_task(name, far).with_options(scalar="double"))
+    near = build_once(moved_task(name, Fraction(0)).with_options(scalar="double"))
+    distant = build_once(moved_task(name, far).with_options(scalar="double"))
     assert distant.certificate.holds
     assert distant.design.bits == near.design.bits
     assert distant.design.segments == near.design.segments
@@ -254,10 +254,10 @@ def test_a_task_too_small_for_doubles_at_its_distance_is_refused_with_the_reason
     """At 10**8 doubles are 2**-26 apart; a tube needs 2**-44 of the coordinates, which is 8e-6 there."""
     far = Fraction(10**8)
     for scale in (Fraction(1, 10), Fraction(1, 1000)):
-        assert built(moved_task("omni_s2", far, scale).with_options(scalar="double")).certificate.holds
+        assert build_once(moved_task("omni_s2", far, scale).with_options(scalar="double")).certificate.holds
     for scale in (Fraction(1, 10**5), Fraction(1, 10**7)):
         with pytest.raises(NotCertified, match="too large for a tube in double"):
-            built(moved_task("omni_s2", far, scale).with_options(scalar="double"))
+            build_once(moved_task("omni_s2", far, scale).with_options(scalar="double"))
 
 
 def test_speed_bound_covers_every_difference_quotient() -> None:

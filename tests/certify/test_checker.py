@@ -35,7 +35,7 @@ from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
 from tests.certify.test_certificate import bend, oracle
-from tests.support.controllers import NAMES, ROOT, built, controller_of
+from tests.support.controllers import NAMES, ROOT, build_once, controller_of
 
 CHECKER = ROOT / "stt_codegen" / "certify" / "checker.py"
 
@@ -529,7 +529,7 @@ def test_a_proof_that_cuts_segments_is_accepted_and_refused_with_a_cut_left_out(
 
 
 def test_a_bound_on_speed_is_claimed_and_accepted(tmp_path) -> None:
-    controller = built(load_task(ROOT / "tasks" / "omni_s1.toml").changed(tube={"segments": 8, "max_speed": 5}))
+    controller = build_once(load_task(ROOT / "tasks" / "omni_s1.toml").changed(tube={"segments": 8, "max_speed": 5}))
     text = (
         (ROOT / "tasks" / "omni_s1.toml").read_text().replace("min_width = 0.05", "min_width = 0.05\nsegments = 8\nmax_speed = 5")
     )

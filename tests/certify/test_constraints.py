@@ -26,7 +26,7 @@ from stt_codegen.design.arena import arena_of, starting_box
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.designs.tube import LOWER, UPPER
 from stt_codegen.program.operations import LIBRARY_ULPS, OPERATIONS
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 from tests.task.test_sets import polygon_of, with_sets
 
 coefficients = st.integers(-20, 20)
@@ -165,14 +165,14 @@ def test_the_start_is_cut_along_a_slanted_face() -> None:
     task = with_sets(near_triangle)
     box = starting_box(arena_of(task))
     assert (box[1] - box[0]).prod() >= 0.48 * 0.43
-    assert built(task).certificate.holds
+    assert build_once(task).certificate.holds
     far_triangle = polygon_of("far", ("0.3", "0.72"), ("0.72", "0.3"), ("1.5", "1.5"))
     box = starting_box(arena_of(with_sets(far_triangle)))
     assert (box[1] - box[0]).min() >= 0.4
 
 
 def test_every_property_has_its_constraints() -> None:
-    task = built(with_sets()).task
+    task = build_once(with_sets()).task
     assert [
         len(f(task))
         for f in (width_constraints, initial_state_constraints, start_constraints, stay_constraints, reach_constraints)

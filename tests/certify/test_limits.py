@@ -30,7 +30,7 @@ from stt_codegen.report.analysis import Analysis
 from stt_codegen.sampling.continuous import holds_saturated
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
-from tests.support.controllers import built, controller_of
+from tests.support.controllers import build_once, controller_of
 
 CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "pushed": ({"u_max": "1"}, {"w_max": "0.3"}),
@@ -81,7 +81,7 @@ def task_file_text(task: Task) -> str:
 def test_the_tube_needs_no_more_input_than_u_max(name: str, tmp_path: Path) -> None:
     """The certified margin is no larger than the exact edges show at 20,001 times; the checker computes the same margin."""
     task = task_with(*CASES[name])
-    controller = built(task)
+    controller = build_once(task)
     finding = limits_finding(controller.certificate)
     t = np.linspace(0, 9, 20001)
     lower_rate, upper_rate = edge_rates(controller, t)
@@ -128,10 +128,10 @@ def test_a_tube_that_is_too_fast_for_its_limit_is_refused_by_both(tmp_path: Path
 
 def test_p8_is_required_only_where_limits_and_a_plant_are_stated_without_a_period() -> None:
     for control, plant in (({"u_max": "1"}, {}), ({}, {"w_max": "0.1"}), ({"u_max": "2"}, {"noise": "0.001"})):
-        controller = built(task_with(control, plant))
+        controller = build_once(task_with(control, plant))
         assert not [f for f in controller.certificate.findings if f.code == "P8"]
         assert controller.design == controller_of("omni_s2").design  # the tube has no further condition
-    sampled = built(task_with({"u_max": "1.3", "gain": "0.05", "period": "0.02"}, {"w_max": "0.3"}))
+    sampled = build_once(task_with({"u_max": "1.3", "gain": "0.05", "period": "0.02"}, {"w_max": "0.3"}))
     assert not [f for f in sampled.certificate.findings if f.code == "P8"]  # P9 implies it
 
 
@@ -148,20 +148,20 @@ def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant:
     with pytest.raises(
         stt.NotCertified, match=r"limits \(P8\): no tube was found within control.u_max 0\.\d+; raise control.u_max to"
     ) as refusal:
-        built(task)
+        build_once(task)
     message = str(refusal.value)
-    assert built(task.changed(control={"u_max": re.findall(r"u_max to ([\d.]+)", message)[0]})).certificate.holds
+    assert build_once(task.changed(control={"u_max": re.findall(r"u_max to ([\d.]+)", message)[0]})).certificate.holds
     for longer in re.findall(r"prescribed_time to ([\d.]+)", message):
-        assert built(task.changed(prescribed_time=longer)).certificate.holds
+        assert build_once(task.changed(prescribed_time=longer)).certificate.holds
     milder_bounds = dict(re.findall(r"plant\.(\w+) to ([\d.]+\d)", message))
     if milder_bounds:
-        assert built(task.changed(plant=milder_bounds)).certificate.holds
+        assert build_once(task.changed(plant=milder_bounds)).certificate.holds
 
 
 def test_a_saturated_law_keeps_the_state_inside_where_saturation_is_proved() -> None:
     """The gain is so high that u saturates most of the time; the disturbance is the strongest; u changes 20,000 times a second."""
     task = task_with({"u_max": "1", "gain": "5"}, {"w_max": "0.3"})
-    controller = built(task)
+    controller = build_once(task)
     analysis = Analysis(controller)
     (saturation,) = (h for h in analysis.hypotheses() if h.name == "saturation")
     assert saturation.holds
@@ -195,7 +195,7 @@ def test_where_p8_fails_the_state_leaves_whatever_the_gain() -> None:
 
 
 def test_the_header_says_what_is_proved() -> None:
-    controller = built(task_with(*CASES["pushed"]))
+    controller = build_once(task_with(*CASES["pushed"]))
     assert b"enough to hold the state in it (P8)" in controller.files["omni_s2.h"]
     assert Fraction(1, 1) == controller.task.u_max[0]  # type: ignore[index]
 
@@ -203,11 +203,11 @@ def test_the_header_says_what_is_proved() -> None:
 def test_a_plant_that_leaves_no_input_for_the_tube_is_refused() -> None:
     for cross in ("1", "2"):
         with pytest.raises(stt.NotCertified, match=r"limits \(P8\)"):
-            built(task_with({"u_max": "3"}, {"g_cross": cross}))
+            build_once(task_with({"u_max": "3"}, {"g_cross": cross}))
 
 
 def test_a_gain_that_is_too_low_to_reach_the_limit_has_no_proof_of_saturation() -> None:
-    controller = built(task_with({"u_max": "1", "gain": "1e-12"}, {"w_max": "0.3"}))
+    controller = build_once(task_with({"u_max": "1", "gain": "1e-12"}, {"w_max": "0.3"}))
     (saturation,) = (h for h in Analysis(controller).hypotheses() if h.name == "saturation")
     assert not saturation.holds
 
@@ -233,8 +233,10 @@ def coupled(u: Any) -> Any:
 
 def test_scaled_u_stays_where_clipped_u_leaves() -> None:
     """From the same starts the clipped law leaves the tube and the scaled law never does; only the scaled one has a proof."""
-    scaled = built(parse_task(SCALED))
-    clipped = built(parse_task(SCALED.replace(', saturate = "scale"', "").replace("g_max = 4.7", "g_max = 4.7, g_cross = 0")))
+    scaled = build_once(parse_task(SCALED))
+    clipped = build_once(
+        parse_task(SCALED.replace(', saturate = "scale"', "").replace("g_max = 4.7", "g_max = 4.7, g_cross = 0"))
+    )
     plant = Plant(name="coupled", dimension=2, drift=lambda x: [0, 0], input_matrix=coupled)
     saturation = next(h for h in Analysis(scaled, plant).hypotheses() if h.name == "saturation")
     assert saturation.holds
@@ -251,8 +253,8 @@ def test_scaled_u_stays_where_clipped_u_leaves() -> None:
 
 
 def test_a_scaled_u_keeps_its_direction() -> None:
-    controller = built(parse_task(SCALED + 'emit = { scalar = "double" }'))
-    without_limit = built(
+    controller = build_once(parse_task(SCALED + 'emit = { scalar = "double" }'))
+    without_limit = build_once(
         parse_task(SCALED.replace('u_max = 1.0, saturate = "scale"', "u_max = 1e6") + 'emit = { scalar = "double" }')
     )
     scaled, unlimited = (load_module("scaled", c.files["scaled.py"]) for c in (controller, without_limit))
@@ -270,7 +272,7 @@ def test_a_scaled_u_keeps_its_direction() -> None:
 
 def test_backends_agree_on_a_scaled_u_and_the_checker_refuses_another(tmp_path: Path) -> None:
     (tmp_path / "task.toml").write_text(SCALED)
-    controller = built(parse_task(SCALED))
+    controller = build_once(parse_task(SCALED))
     for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
     arguments = [str(tmp_path / f) for f in ("task.toml", "scaled.c", "scaled.certificate.json")]
@@ -318,14 +320,14 @@ def test_a_tube_for_a_scaled_u_moves_no_faster_than_the_norm_allows() -> None:
     task = parse_task(
         text.replace("g_max = 4.7", "g_max = 4.7, w_max = 0.02").replace("prescribed_time = 5.0", "prescribed_time = 15.0")
     )
-    controller = built(task)
+    controller = build_once(task)
     assert 0 < (Fraction("0.37") - Fraction("0.02")) ** 2 / 2 - control_authority(task)[0] ** 2 < Fraction(1, 10**10)
     design = controller.design
     assert isinstance(design, RefinedDesign)
     fastest = 3 * np.abs(np.diff(design.bezier(), axis=3)).max() * float(design.unit) * design.segments / 15.0
     assert fastest <= float(control_authority(task)[0])
     with pytest.raises(NotCertified, match="raise"):
-        built(task.changed(prescribed_time=Fraction("0.5")))
+        build_once(task.changed(prescribed_time=Fraction("0.5")))
 
 
 @pytest.mark.parametrize(
@@ -338,7 +340,7 @@ def test_a_tube_for_a_scaled_u_moves_no_faster_than_the_norm_allows() -> None:
     ],
 )
 def test_a_plant_is_covered_for_a_scaled_u_by_its_norms(plant: str, drift: float, covered: bool) -> None:
-    controller = built(parse_task(SCALED.replace("g_min = 0.37, g_max = 4.7", plant)))
+    controller = build_once(parse_task(SCALED.replace("g_min = 0.37, g_max = 4.7", plant)))
     user_plant = Plant(name="coupled", dimension=2, drift=lambda x: [drift, drift], input_matrix=coupled)
     assert Analysis(controller, user_plant).is_covered == covered
 

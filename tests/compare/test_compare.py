@@ -16,7 +16,7 @@ from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.read.c import differences
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
-from tests.support.controllers import NAMES, built, controller_of
+from tests.support.controllers import NAMES, build_once, controller_of
 
 QUANTITIES = ["tube", "tube rate", "e", "epsilon", "xi", "covered", "margin", "margins", "u", "status"]
 
@@ -172,10 +172,10 @@ def test_constants_by_component_agree_in_every_backend(name: str, design: str, e
     rows = compare(task, 300)
     assert {r.backend for r in rows} == {"CasADi", "Python", "C double", "C float"}
     assert all(r.holds for r in rows), [r for r in rows if not r.holds]
-    controller = built(task)
+    controller = build_once(task)
     assert not differences(controller.program, controller.files[f"{name}.h"].decode(), controller.files[f"{name}.c"].decode())
     assert ("u_max" in {t.name for t in controller.program.tables}) == (u_max is not None)
-    with_equal_components = built(task.changed(control={"gain": ["0.5", "0.5"], "e_max": "0.99"}))
+    with_equal_components = build_once(task.changed(control={"gain": ["0.5", "0.5"], "e_max": "0.99"}))
     assert not {"gain", "e_max", "least_share"} & {t.name for t in with_equal_components.program.tables}  # these are constants
 
 
@@ -184,4 +184,4 @@ def test_a_clamp_near_one_is_within_its_bounds(e_max: str, tool) -> None:
     """The reference computes 1 - e from the distance to the edge, as 1 - e of a rounded e would have a large error."""
     tool("cc")
     task = controller_of("omni_s2", "double").task.changed(control={"e_max": e_max})
-    assert not [r for r in compare_backend(built(task), CompiledC, 3000) if not r.holds]
+    assert not [r for r in compare_backend(build_once(task), CompiledC, 3000) if not r.holds]

@@ -15,7 +15,7 @@ from stt_codegen.program.targets import TARGETS
 from stt_codegen.task.added_names import ADDED_NAMES
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 from tests.support.missing_tools import skip_without
 
 
@@ -28,7 +28,7 @@ def test_every_language_is_within_its_bounds(target, name: str, design: str) -> 
         skip_without(str(error))
     task = load_task(ROOT / "tasks" / f"{name}.toml")
     for scalar in target.scalars:
-        controller = built(task.with_options(design, scalar, target.key if target.option else None))
+        controller = build_once(task.with_options(design, scalar, target.key if target.option else None))
         assert set(target.file_names(name)) <= set(controller.files)
         rows = compare_backend(controller, make, 500)
         assert {row.backend for row in rows} <= {target.title, f"{target.title} {scalar}"}
@@ -84,7 +84,7 @@ def test_every_language_adds_the_names_of_a_task_or_refuses_with_a_reason(target
         with pytest.raises(BadInput, match=f"^emit.{target.key}: .* has no `(?:{lacking})`"):
             owing(name).with_options(language=target.key)
         return
-    controller = built(owing(name).with_options(language=target.key if target.option else None))
+    controller = build_once(owing(name).with_options(language=target.key if target.option else None))
     files = (text.decode() for file, text in controller.files.items() if Path(file).suffix in target.suffixes)
     assert any(adds(text, name) for text in files) == (name not in target.lacks)
 

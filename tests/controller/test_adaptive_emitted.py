@@ -26,7 +26,7 @@ from stt_codegen.program.targets.c.runner import STRICT, CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
 from stt_codegen.task.load import load_task, parse_task
 from tests.emit.test_emitted import BITS, CORTEX_M4F, symbols
-from tests.support.controllers import ADAPTABLE, ROOT, built
+from tests.support.controllers import ADAPTABLE, ROOT, build_once
 
 OK, OUTSIDE, BAD = 0, 1, 2
 KINDS = ["adaptive", "literal"]
@@ -89,7 +89,7 @@ def test_every_example_task_is_within_its_bounds(name: str, kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_emitted_code_is_finite_for_every_prescribed_time(kind: str, t_c: str) -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text().replace("prescribed_time = 9.0", f"prescribed_time = {t_c}")
-    controller = built(parse_task(text).with_options(design=kind), uncertified=True)
+    controller = build_once(parse_task(text).with_options(design=kind), uncertified=True)
     random = np.random.default_rng(3)
     t = np.concatenate([random.uniform(-0.1, 1.1, 300), [0, 1]]) * float(t_c)
     alpha, x = np.abs(random.normal(0, 1, (302, 4))), random.uniform(0, 5, (302, 2))
@@ -130,7 +130,7 @@ def test_joined_circumvent_functions_are_within_their_bounds_too() -> None:
         for unsafe in unsafe_sets
     ]
     task = task.model_copy(update={"unsafe": tuple(unsafe_sets)})
-    assert max(built(task, uncertified=True).design.slots) >= 2
+    assert max(build_once(task, uncertified=True).design.slots) >= 2
     assert not [r for r in compare(task, 3000) if not r.holds]
 
 

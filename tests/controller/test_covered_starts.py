@@ -21,7 +21,7 @@ from stt_codegen.program.number import FORMATS
 from stt_codegen.sampling.numbers import FRACTIONS
 from stt_codegen.sampling.order_two import inertial_start_bound
 from stt_codegen.task.load import load_task, parse_task
-from tests.support.controllers import ROOT, TASK_FILES, built, interface_of
+from tests.support.controllers import ROOT, TASK_FILES, build_once, interface_of
 
 STEMS = [path.stem for path in TASK_FILES]
 CHANGED_TASKS = {  # by case: an example task, and its changes
@@ -37,7 +37,7 @@ def controller_of_case(name: str) -> stt.Controller:
     """Return the controller of an example task, or of a case of `CHANGED_TASKS`."""
     stem, changes = CHANGED_TASKS.get(name, (name, {}))
     task = load_task(ROOT / "tasks" / f"{stem}.toml")
-    return interface_of(built(task.changed(**changes) if changes else task))
+    return interface_of(build_once(task.changed(**changes) if changes else task))
 
 
 def is_proved_from(controller: stt.Controller, x: list[Fraction], v: list[Fraction] | None) -> bool:

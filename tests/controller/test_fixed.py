@@ -42,7 +42,7 @@ from stt_codegen.program.targets.python.runner import GeneratedPython
 from stt_codegen.sampling.sampled_loop import law_of as law_of_setting
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
-from tests.support.controllers import ROOT, built, interface_of
+from tests.support.controllers import ROOT, build_once, interface_of
 
 EXAMPLES = ("gantry", "crane")
 SHAPES = ("omni_s2", "courier", "rover", *EXAMPLES, "base")
@@ -51,7 +51,7 @@ SHAPES = ("omni_s2", "courier", "rover", *EXAMPLES, "base")
 @cache
 def limited_controller(name: str) -> EmittedController:
     """Return the controller in integers of an example task, with a u_max where the task has none."""
-    return built(limited(load_task(ROOT / "tasks" / f"{name}.toml")))
+    return build_once(limited(load_task(ROOT / "tasks" / f"{name}.toml")))
 
 
 def design_of(name: str) -> RefinedDesign:
@@ -252,7 +252,7 @@ def test_samples_come_at_whole_ticks() -> None:
 @cache
 def example_controller(name: str = "gantry") -> stt.Controller:
     """Return the controller of an example task in integers as a script gets it."""
-    return interface_of(built(stt.load(ROOT / "tasks" / f"{name}.toml")))
+    return interface_of(build_once(stt.load(ROOT / "tasks" / f"{name}.toml")))
 
 
 @pytest.mark.parametrize("name", ["crane", pytest.param("gantry", marks=pytest.mark.slow)])
@@ -500,9 +500,9 @@ def test_a_tube_narrower_than_the_width_that_its_law_assumes_is_refused() -> Non
     """Far from the origin units are coarse: this tube is 98 units wide, and the law would assume 256. Near an edge u would be a
     fiftieth of what is proved."""
     with pytest.raises(BadInput, match=r"tube\.min_width: the tube is 0\.0\d+ wide as it is emitted, .* needs 0\.125 here"):
-        built(stt.parse(THIN))
+        build_once(stt.parse(THIN))
     wider = THIN.replace("10.11", "10.4").replace("15.11", "15.4")
-    controller = built(stt.parse(wider))
+    controller = build_once(stt.parse(wider))
     assert isinstance(controller.design, RefinedDesign)
     assert all(
         assumed <= narrowest

@@ -39,7 +39,7 @@ from stt_codegen.sampling.order_two import inertial_start_bound
 from stt_codegen.sampling.periods import inputs_where_proved, longest_proved_period
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 INERTIAL = ("arm", "drone")  # two tasks of order 2; tests/loop/test_robots.py tests all
 
@@ -72,7 +72,7 @@ def text_of(name: str) -> str:
 @cache
 def controller_of_case(name: str) -> EmittedController:
     """Return the controller of a case."""
-    return built(parse_task(text_of(name)))
+    return build_once(parse_task(text_of(name)))
 
 
 def write_for_checker(controller: EmittedController, name: str, folder: Path, **changes: Any) -> list[str]:
@@ -163,13 +163,13 @@ def test_a_users_tube_gets_a_filter_too() -> None:
 
 def test_limits_on_the_edges_are_kept() -> None:
     text = text_of("plain").replace(ORDER_TWO, "\n[tube]\nmax_speed = 1.2\nmax_acceleration = [0.9, 0.7]\n" + ORDER_TWO)
-    controller = built(parse_task(text))
+    controller = build_once(parse_task(text))
     assert isinstance(controller.design, RefinedDesign)
     *_, low_rate, high_rate, low_bend, high_bend = edges(controller.design, np.linspace(0, 9, 5001))
     assert np.abs([low_rate, high_rate]).max() <= 1.2
     assert (np.abs([low_bend, high_bend]).max(axis=(0, 1)) <= [0.9, 0.7]).all()
     with pytest.raises(NotCertified, match="raise tube.max_acceleration to"):
-        built(parse_task(text.replace("[0.9, 0.7]", "0.1")))
+        build_once(parse_task(text.replace("[0.9, 0.7]", "0.1")))
 
 
 def test_starts_are_certified_up_to_their_stated_speed() -> None:
@@ -179,7 +179,7 @@ def test_starts_are_certified_up_to_their_stated_speed() -> None:
     assert slack.units >= 0
     faster = parse_task(text_of("moving starts").replace("speed = 0.02", "speed = 0.3"))
     with pytest.raises(NotCertified, match="lower initial_set.speed"):
-        built(faster)
+        build_once(faster)
 
 
 # ------------------------------------------------------------------------------------------------ proofs
@@ -372,27 +372,27 @@ def test_the_period_in_fractions_is_the_one_of_the_search() -> None:
 def test_a_period_that_is_too_long_is_refused_with_a_remedy_that_works() -> None:
     task = parse_task(text_of("sampled").replace("period = 0.04", "period = 0.4"))
     with pytest.raises(NotCertified, match=r"period \(P9\): fails by .*use control.period = ") as refusal:
-        built(task)
+        build_once(task)
     period, gain = re.findall(r"control.period = ([\d.]+) with gain (\[[^\]]*\]|[\d.e+-]+)", str(refusal.value))[0]
     gains = [v.strip() for v in gain.strip("[]").split(",")]
-    assert built(task.changed(control={"period": period, "gain": gains * (2 // len(gains))})).certificate.holds
+    assert build_once(task.changed(control={"period": period, "gain": gains * (2 // len(gains))})).certificate.holds
 
 
 def test_limits_that_are_too_low_are_refused_with_a_remedy_that_works() -> None:
     task = parse_task(text_of("limited").replace("[3, 3.5]", "0.6"))
     with pytest.raises(NotCertified, match=r"limits \(P8\)") as refusal:
-        built(task)
+        build_once(task)
     advised = re.findall(r"control.u_max to ([\d.]+)", str(refusal.value))[0].rstrip(".")
     raised: Task | None = task.changed(control={"u_max": advised})
     for _ in range(3):  # a refusal is about one component at a time
         try:
             assert raised is not None
-            built(raised)
+            build_once(raised)
             break
         except NotCertified as error:
             advised = re.findall(r"control.u_max to ([\d.]+)", str(error))[0].rstrip(".")
             raised = task.changed(control={"u_max": advised})
-    assert built(task.changed(control={"u_max": advised})).certificate.holds
+    assert build_once(task.changed(control={"u_max": advised})).certificate.holds
 
 
 def test_a_plant_of_order_two_is_a_file_with_x_and_v(tmp_path: Path) -> None:
@@ -479,8 +479,8 @@ def test_the_notes_before_a_loop_name_its_starts() -> None:
 def test_where_no_limit_outweighs_the_coupling_the_refusal_asks_for_less_coupling() -> None:
     text = text_of("limited").replace(ORDER_TWO, ORDER_TWO + "g_cross = {}\n")
     with pytest.raises(NotCertified, match=r"state a milder plant\.g_cross"):
-        built(parse_task(text.format(1)))
+        build_once(parse_task(text.format(1)))
     with pytest.raises(NotCertified, match="control.u_max to") as refusal:
-        built(parse_task(text.format(0.3)).changed(control={"u_max": "0.8"}))
+        build_once(parse_task(text.format(0.3)).changed(control={"u_max": "0.8"}))
     advised = re.findall(r"control.u_max to ([\d.]+)", str(refusal.value))[0].rstrip(".")
-    assert built(parse_task(text.format(0.3)).changed(control={"u_max": f"{1.3 * float(advised):.4g}"})).certificate.holds
+    assert build_once(parse_task(text.format(0.3)).changed(control={"u_max": f"{1.3 * float(advised):.4g}"})).certificate.holds

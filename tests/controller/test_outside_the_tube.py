@@ -25,7 +25,7 @@ from stt_codegen.program.targets.c.runner import find_compiler
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.program.targets.toolchain import run_compiler
 from stt_codegen.task.load import load_task
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 
 ROOT = Path(__file__).parents[2]
 OK, OUTSIDE, BAD = 0, 1, 2
@@ -36,7 +36,7 @@ def guarded_controller(name: str, outside: str) -> EmittedController:
     """Return the controller of an example task in doubles, with this `control.outside` and a limit on u."""
     task = load_task(ROOT / "tasks" / f"{name}.toml")
     limit = {"u_max": 1} if task.control.u_max is None else {}
-    return built(task.changed(control={"outside": outside, **limit}, emit={"scalar": "double"}))
+    return build_once(task.changed(control={"outside": outside, **limit}, emit={"scalar": "double"}))
 
 
 @pytest.fixture(scope="module")
@@ -186,7 +186,7 @@ def test_only_the_refined_design_has_a_guard(outside: str, design: str) -> None:
 
 def test_return_is_the_default_and_emits_no_guard() -> None:
     task = load_task(ROOT / "tasks" / "omni_s2.toml")
-    default_files, return_files = built(task).files, built(task.changed(control={"outside": "return"})).files
+    default_files, return_files = build_once(task).files, build_once(task.changed(control={"outside": "return"})).files
     assert set(default_files) == set(return_files)
     assert not any("guard" in name for name in default_files)
     assert b"guard" not in default_files["omni_s2.h"]
@@ -197,7 +197,7 @@ def test_the_checker_refuses_a_changed_guard(name: str, outside: str, tmp_path: 
     """A change of any line of its code is refused although the hashes fit."""
     text = (ROOT / "tasks" / f"{name}.toml").read_text().replace("[control]\n", f'[control]\noutside = "{outside}"\n')
     (tmp_path / "task.toml").write_text(text)
-    files = built(load_task(tmp_path / "task.toml")).files
+    files = build_once(load_task(tmp_path / "task.toml")).files
     for file, data in files.items():
         (tmp_path / file).write_bytes(data)
     arguments = [str(tmp_path / f) for f in ("task.toml", f"{name}.c", f"{name}.certificate.json")]

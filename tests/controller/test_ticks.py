@@ -18,7 +18,7 @@ from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
 from stt_codegen.task.load import parse_task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 TASK = (ROOT / "tasks" / "omni_s2.toml").read_text()
 DAY = TASK.replace("prescribed_time = 9.0", "prescribed_time = 86400.0")
@@ -26,7 +26,7 @@ DAY = TASK.replace("prescribed_time = 9.0", "prescribed_time = 86400.0")
 
 def controller_with_ticks(text: str, period: str, more: str = "") -> EmittedController:
     """Return the controller of a task file's text with this tick period in seconds, and more lines of [emit]."""
-    return built(parse_task(f"{text}\n[emit]\ntick_period = {period}\n{more}"))
+    return build_once(parse_task(f"{text}\n[emit]\ntick_period = {period}\n{more}"))
 
 
 def small_design(segments: int, t_c: Fraction) -> RefinedDesign:
@@ -149,4 +149,4 @@ def test_where_no_round_period_fits_the_refusal_asks_for_another_time(t_c: str, 
 @pytest.mark.parametrize("design", ["adaptive", "literal"])
 def test_a_tick_period_is_refused_for_designs_in_seconds(design: str) -> None:
     with pytest.raises(BadInput, match="emit.tick_period"):
-        built(parse_task(TASK + "\n[emit]\ntick_period = 0.001\n").with_options(design), uncertified=True)
+        build_once(parse_task(TASK + "\n[emit]\ntick_period = 0.001\n").with_options(design), uncertified=True)

@@ -28,7 +28,7 @@ from stt_codegen.pipeline import build_task, design_tube
 from stt_codegen.program.analyse.cost import cost_of
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.task import Task
-from tests.support.controllers import NAMES, ROOT, built, controller_of
+from tests.support.controllers import NAMES, ROOT, build_once, controller_of
 
 PAPER = FAMILIES["paper"]
 
@@ -55,16 +55,16 @@ def test_an_arena_with_a_route_is_certified_and_one_without_is_refused(seed: int
     """An exact flood fill says which: a route with a clearance of 0.1 is certified; without one at 0.03, the task's clearance, refused."""
     task = arena_task(PAPER, seed)
     if is_feasible(PAPER, seed, 0.1):
-        assert built(task).certificate.holds
+        assert build_once(task).certificate.holds
     elif not is_feasible(PAPER, seed, 0.03):
         with pytest.raises(NotCertified, match="P4"):
-            built(task)
+            build_once(task)
 
 
 @pytest.mark.parametrize("seed", [0, 7])
 @pytest.mark.parametrize("family", ["dense12", "space3", "space6"])
 def test_other_families_are_certified(family: str, seed: int) -> None:
-    assert built(arena_task(FAMILIES[family], seed)).certificate.holds
+    assert build_once(arena_task(FAMILIES[family], seed)).certificate.holds
 
 
 def test_the_same_task_gives_the_same_design() -> None:
@@ -88,7 +88,7 @@ def test_order_of_unsafe_sets_and_dimensions_does_not_decide_feasibility() -> No
     last, tail = last.split("[tube]")
     for order in itertools.islice(itertools.permutations([*sets, last]), 0, 24, 7):
         shuffled = "[[unsafe]]".join([head, *order]) + "[tube]" + tail
-        assert built(parse_task(shuffled)).certificate.holds
+        assert build_once(parse_task(shuffled)).certificate.holds
 
 
 def test_moving_and_scaling_the_world_keeps_the_certificate() -> None:
@@ -115,7 +115,7 @@ def test_moving_and_scaling_the_world_keeps_the_certificate() -> None:
     world = task.model_copy(
         update={**boxes, "unsafe": sets, "tube": tube, "initial_state": scaled_and_shifted(task.initial_state)}
     )
-    assert built(world).certificate.holds
+    assert build_once(world).certificate.holds
 
 
 @pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "spacecraft"])
@@ -134,7 +134,7 @@ def test_a_tube_for_a_body_is_clear_of_sets_grown_by_it(name: str) -> None:
         for field in ("initial_set", "target_set")
     }
     task_with_body = task.model_copy(update={"body": (h,) * n, **smaller_boxes})
-    controller = built(task_with_body)
+    controller = build_once(task_with_body)
     low = controller.design.bezier()[:, :, 0].min(axis=(0, 2)) * float(controller.design.unit)
     assert all(low >= [float(v + h) for v in task.state_space.lower])
     task_with_clearance = task.model_copy(
@@ -157,7 +157,7 @@ def test_the_peak_speed_is_near_the_smallest_possible(seed: int) -> None:
     task = arena_task(PAPER, seed)
     arena = arena_of(task)
     route_speed = shortest_route(arena, starting_box(arena), required_widths(arena)).length / arena.prescribed_time
-    speed = float(max(built(task).certificate.speed))
+    speed = float(max(build_once(task).certificate.speed))
     slowest = float(max(build_task(task, tube=refine(task.changed(tube={"prefer": "slow"}))).certificate.speed))
     assert route_speed - 0.5 / arena.prescribed_time <= slowest <= speed * (1 + 1e-6)
     # 1e-6 is for the table's grid, which moves an edge by 2^-23 of the size.
@@ -210,17 +210,17 @@ def test_a_tube_does_not_depend_on_what_was_designed_before_it() -> None:
 
 def test_max_speed_is_met_or_refused_with_a_time_that_works() -> None:
     slow = EMPTY + "\n[tube]\nmax_speed = 0.78\n"
-    assert max(built(parse_task(slow)).certificate.speed) <= Fraction("0.78")
+    assert max(build_once(parse_task(slow)).certificate.speed) <= Fraction("0.78")
     with pytest.raises(NotCertified, match=r"speed \(P6\).*prescribed_time to (\d+\.\d+)") as refusal:
-        built(parse_task(EMPTY + "\n[tube]\nmax_speed = 0.5\n"))
+        build_once(parse_task(EMPTY + "\n[tube]\nmax_speed = 0.5\n"))
     advised = float(str(refusal.value).split("prescribed_time to ")[1].split()[0]) * 1.001
-    assert built(
+    assert build_once(
         parse_task(EMPTY.replace("prescribed_time = 4.0", f"prescribed_time = {advised}") + "\n[tube]\nmax_speed = 0.5\n")
     )
 
 
 def test_the_tube_has_the_stated_number_of_segments() -> None:
-    assert built(parse_task(EMPTY + "\n[tube]\nsegments = 12\n")).design.segments == 12
+    assert build_once(parse_task(EMPTY + "\n[tube]\nsegments = 12\n")).design.segments == 12
 
 
 @pytest.mark.parametrize(
@@ -235,7 +235,7 @@ def test_the_tube_has_the_stated_number_of_segments() -> None:
 )  # fmt: skip
 def test_an_infeasible_task_is_refused_with_the_reason(addition: str, words: list[str]) -> None:
     with pytest.raises(NotCertified) as refusal:
-        built(parse_task(EMPTY + addition))
+        build_once(parse_task(EMPTY + addition))
     assert refusal.value.exit_code == 3
     for word in words:
         assert word in str(refusal.value)
@@ -243,11 +243,11 @@ def test_an_infeasible_task_is_refused_with_the_reason(addition: str, words: lis
 
 def test_a_state_within_rounding_of_the_edge_of_the_initial_set_is_refused() -> None:
     with pytest.raises(NotCertified, match=r"start \(P2\): initial_state"):
-        built(parse_task(EMPTY.replace("initial_state = [0.5, 0.5]", "initial_state = [0.5, 0.99999]")))
+        build_once(parse_task(EMPTY.replace("initial_state = [0.5, 0.5]", "initial_state = [0.5, 0.99999]")))
 
 
 def test_an_unsafe_set_beside_the_start_makes_the_tubes_start_smaller() -> None:
-    controller = built(parse_task(EMPTY + unsafe_table("near", [0.2, 1.01], [0.8, 1.6])))
+    controller = build_once(parse_task(EMPTY + unsafe_table("near", [0.2, 1.01], [0.8, 1.6])))
     assert not controller.certificate.covers_initial_set
     assert controller.certificate.start[1][1] <= Fraction("0.98")
     assert controller_of("empty").certificate.covers_initial_set
@@ -256,24 +256,26 @@ def test_an_unsafe_set_beside_the_start_makes_the_tubes_start_smaller() -> None:
 def test_every_option_that_a_refusal_names_works() -> None:
     blocked = EMPTY + unsafe_table("wall", [2.0, 0.0], [2.5, 2.93])
     with pytest.raises(NotCertified) as refusal:
-        built(parse_task(blocked))
+        build_once(parse_task(blocked))
     advised = re.findall(r"tube\.(\w+) = ([\d.]+)", str(refusal.value))
     assert [option for option, _ in advised] == ["clearance", "min_width"]
     assert 0.015 < float(advised[0][1]) < 0.02
     for option, value in advised:
-        assert built(parse_task(f"{blocked}[tube]\n{option} = {value}\n")).certificate.holds
+        assert build_once(parse_task(f"{blocked}[tube]\n{option} = {value}\n")).certificate.holds
 
 
 def test_a_set_that_alone_closes_the_route_is_named() -> None:
     with pytest.raises(NotCertified, match="whatever the clearance; without wall there would be one"):
-        built(parse_task(EMPTY + unsafe_table("pillar", [1.4, 0.0], [1.6, 0.5]) + unsafe_table("wall", [2.0, 0.0], [2.5, 3.0])))
+        build_once(
+            parse_task(EMPTY + unsafe_table("pillar", [1.4, 0.0], [1.6, 0.5]) + unsafe_table("wall", [2.0, 0.0], [2.5, 3.0]))
+        )
 
 
 @pytest.mark.parametrize("target", ["[0.0, 0.0]\nupper = [1.0, 1.0]", "[0.0, 0.0]\nupper = [1.0, 2.0]"])
 def test_a_task_that_need_not_move_is_certified(target: str) -> None:
     text = EMPTY.replace("[3.0, 2.0]\nupper = [4.0, 3.0]", target)
     assert text != EMPTY
-    assert built(parse_task(text)).certificate.holds
+    assert build_once(parse_task(text)).certificate.holds
 
 
 @pytest.mark.parametrize("seed", [34, 98, 108])
@@ -281,9 +283,9 @@ def test_a_wide_tube_that_is_too_fast_does_not_hide_a_slower_one(seed: int) -> N
     """The speed that a refusal names is enough, and it is that of the slowest tube."""
     task = arena_task(PAPER, seed)
     with pytest.raises(NotCertified, match="raise tube.max_speed to") as refusal:
-        built(with_max_speed(task, Fraction("0.01")))
+        build_once(with_max_speed(task, Fraction("0.01")))
     needed = Fraction(str(refusal.value).split("raise tube.max_speed to ")[1].split(",")[0])
-    assert built(with_max_speed(task, needed)).certificate.holds
+    assert build_once(with_max_speed(task, needed)).certificate.holds
     slowest = max(build_task(task, tube=refine(task.changed(tube={"prefer": "slow"}))).certificate.speed)
     # The allowance for rounding may take a part of every segment's step; the factor is for six printed digits.
     rounding_speed = Fraction(arena_of(task).allowance) * 128 / task.prescribed_time
@@ -339,7 +341,7 @@ def test_a_task_smaller_than_the_smallest_width_of_the_law_is_refused() -> None:
         }
     )
     with pytest.raises(NotCertified, match="P1"):
-        built(small)
+        build_once(small)
 
 
 BEND = (
@@ -362,7 +364,7 @@ BEND = (
 )
 def test_an_option_that_cannot_be_met_is_named_with_a_remedy(options: str, words: list[str]) -> None:
     with pytest.raises(NotCertified) as refusal:
-        built(parse_task(BEND + f"\n[tube]\n{options}\n"))
+        build_once(parse_task(BEND + f"\n[tube]\n{options}\n"))
     assert all(word in str(refusal.value) for word in words), refusal.value
 
 
@@ -371,7 +373,7 @@ def test_an_option_that_cannot_be_met_is_named_with_a_remedy(options: str, words
 
 def test_two_hundred_unsafe_sets_do_not_add_operations_to_a_control_step() -> None:
     family = replace(FAMILIES["corridor"], count=200, length=100.0)
-    controller = built(arena_task(family, 0))
+    controller = build_once(arena_task(family, 0))
     assert controller.certificate.holds
     program_of_four_sets = controller_of("omni_s1").program
     for function in ("control", "tube"):
@@ -418,11 +420,11 @@ def test_a_route_through_a_window_without_a_corner_is_designed_and_a_closed_wind
     assert (
         find_corner_route(arena, starting_box(arena), required_widths(arena)) is None
     )  # the search over corners alone misses it
-    assert built(task).certificate.holds
+    assert build_once(task).certificate.holds
     with pytest.raises(NotCertified, match="no way leads .*clearance = 0 together with tube.min_width = 0.049"):
-        built(parse_task(window_task(3.65)))
+        build_once(parse_task(window_task(3.65)))
     with pytest.raises(NotCertified, match="whatever the clearance"):
-        built(parse_task(window_task(3.8)))
+        build_once(parse_task(window_task(3.8)))
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -474,7 +476,7 @@ def test_a_refusal_among_many_small_sets_does_not_deny_an_existing_route() -> No
     head = BEND.split("[[unsafe]]")[0]
     wall = unsafe_table("lower", [2.0, 0.0], [2.5, 2.45]) + unsafe_table("upper", [2.0, 2.55], [2.5, 5.0])
     with pytest.raises(NotCertified) as refusal:
-        built(parse_task(f"{head}{wall}{small_sets}\n[tube]\nclearance = 0.08\n"))
+        build_once(parse_task(f"{head}{wall}{small_sets}\n[tube]\nclearance = 0.08\n"))
     assert "whatever the clearance" not in str(refusal.value)
     value = re.search(r"tube\.clearance = ([\d.]+)", str(refusal.value))
     assert value
@@ -505,9 +507,9 @@ def test_a_window_in_six_dimensions_is_passed_three_dimensions_at_a_time() -> No
     task = parse_task(task_text(3.0))
     arena = arena_of(task)
     assert find_corner_route(arena, starting_box(arena), required_widths(arena)) is None
-    assert built(task).certificate.holds
+    assert build_once(task).certificate.holds
     with pytest.raises(NotCertified, match="no way was found"):
-        built(parse_task(task_text(3.8)))
+        build_once(parse_task(task_text(3.8)))
 
 
 def test_a_path_through_cells_may_go_back_in_a_dimension() -> None:

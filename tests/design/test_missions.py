@@ -48,7 +48,7 @@ from stt_codegen.task.mission.formulas import (
 from stt_codegen.task.mission.grammar import parse_formula
 from stt_codegen.task.mission.regions import StateFormula, state_formulas_of, with_state_formulas
 from tests.benchmarks.test_peers import needs
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 NAMES = ("a", "b", "c")
 LAST = 12  # seconds after which nothing changes; all times in these formulas are whole seconds
@@ -80,7 +80,7 @@ mission = [
 @cache
 def courier_controller() -> EmittedController:
     """Return the controller of `COURIER`."""
-    return built(parse_task(COURIER))
+    return build_once(parse_task(COURIER))
 
 
 # --------------------------------------------------------------------------------------------------- formulas
@@ -373,7 +373,7 @@ def test_phases_follow_the_visits() -> None:
 @pytest.mark.parametrize("name", [s.name for family in SCENARIO_FAMILIES.values() for s in family() if not s.is_infeasible])
 def test_the_scenarios_of_the_benchmark_are_certified_and_accepted(name: str, tmp_path: Path) -> None:
     (scenario,) = (s for family in SCENARIO_FAMILIES.values() for s in family() if s.name == name)
-    assert exit_code_of_checker(built(parse_task(scenario.text)), scenario.text, tmp_path) == 0
+    assert exit_code_of_checker(build_once(parse_task(scenario.text)), scenario.text, tmp_path) == 0
 
 
 @pytest.mark.parametrize("n", [2, 3])
@@ -382,7 +382,7 @@ def test_random_missions_are_carried_out_by_every_trajectory(n: int, tmp_path: P
 
     for seed in range(3):
         text = random_mission(seed, n, 6)
-        controller = built(parse_task(text))
+        controller = build_once(parse_task(text))
         assert exit_code_of_checker(controller, text, tmp_path) == 0
         task, draw = controller.task, np.random.default_rng(seed)
         t = np.linspace(0, float(task.prescribed_time), 3001)
@@ -408,7 +408,7 @@ def test_random_missions_are_carried_out_by_every_trajectory(n: int, tmp_path: P
 def test_stones_without_a_route_are_refused_with_the_reason() -> None:
     (scenario,) = (s for s in SCENARIO_FAMILIES["stlpy"]() if s.is_infeasible)
     with pytest.raises(NotCertified, match=r"mission \(P10\): no order .* without mission\[0\]"):
-        built(parse_task(scenario.text))
+        build_once(parse_task(scenario.text))
 
 
 @pytest.mark.parametrize(
@@ -424,7 +424,7 @@ def test_stones_without_a_route_are_refused_with_the_reason() -> None:
 )
 def test_a_refusal_names_the_region_or_entry_that_prevents_a_tube(change: tuple[str, str], message: str) -> None:
     with pytest.raises(NotCertified, match=message):
-        built(parse_task(COURIER.replace(*change)))
+        build_once(parse_task(COURIER.replace(*change)))
 
 
 @pytest.mark.parametrize(
@@ -458,7 +458,7 @@ def test_an_inconsistent_mission_is_refused_with_one_message(change: tuple[str, 
 
 def test_a_capsule_can_be_avoided_and_not_visited() -> None:
     text = COURIER.replace("centre = [2.5, 2.6]", "segment = [[2, 2], [2.8, 2.8]]")
-    assert built(parse_task(text)).certificate.holds
+    assert build_once(parse_task(text)).certificate.holds
     with pytest.raises(BadInput, match=r"mission\[0\].visit: lab can only be avoided"):
         parse_task(text.replace('visit = "dock"', 'visit = "lab"'))
 
@@ -492,17 +492,17 @@ def test_missions_with_windows_at_their_ends_and_of_many_kinds_get_a_tube(entry:
         "region = [", 'region = [ { name = "home", lower = [0, 0], upper = [1, 1] },'
     )
     text = "\n".join(line for line in text.splitlines() if not line.startswith("target_set")) + f"\nmission = [{{ {entry} }}]\n"
-    assert exit_code_of_checker(built(parse_task(text)), text, tmp_path) == 0
+    assert exit_code_of_checker(build_once(parse_task(text)), text, tmp_path) == 0
 
 
 def test_a_start_that_breaks_the_mission_at_once_is_refused() -> None:
     text = COURIER.replace("centre = [2.5, 2.6], radius = 0.4", "lower = [0.91, 0], upper = [1.5, 1]")
     with pytest.raises(NotCertified, match="at t = 0: the initial set is nearer to lab than the clearance"):
-        built(parse_task(text))
+        build_once(parse_task(text))
 
 
 def test_with_a_start_delay_the_margin_in_time_is_at_least_the_delay() -> None:
-    certificate = built(parse_task(COURIER.replace("prescribed_time", "start_delay = 0.1\nprescribed_time"))).certificate
+    certificate = build_once(parse_task(COURIER.replace("prescribed_time", "start_delay = 0.1\nprescribed_time"))).certificate
     (finding,) = (f for f in certificate.findings if f.in_time)
     assert certificate.holds
     assert finding.margin >= finding.required >= Fraction(1, 10)
@@ -519,7 +519,7 @@ def test_without_a_mission_a_target_is_needed_and_regions_are_for_missions() -> 
 
 def test_a_mission_may_have_no_target_and_is_not_for_other_designs() -> None:
     text = "\n".join(line for line in COURIER.splitlines() if not line.startswith("target_set"))
-    certificate = built(parse_task(text)).certificate
+    certificate = build_once(parse_task(text)).certificate
     assert certificate.holds
     assert not [f for f in certificate.findings if f.code == "P5"]
     with pytest.raises(BadInput, match="mission: is for the refined design"):
@@ -675,8 +675,8 @@ def test_eight_visits_do_not_change_the_c_of_a_step() -> None:
         return re.sub(r"-?\b\d+\.?\d*(e-?\d+)?F?\b", "N", text)
 
     (scenario,) = (s for s in SCENARIO_FAMILIES["own"]() if s.name == "eight visits, four windows")
-    controller = built(parse_task(scenario.text))
-    with_one_target = built(
+    controller = build_once(parse_task(scenario.text))
+    with_one_target = build_once(
         parse_task(scenario.text[: scenario.text.index("[[region]]")] + "[target_set]\nlower = [8.5, 8]\nupper = [9.5, 9]\n")
     )
     assert without_names_and_numbers(controller) == without_names_and_numbers(with_one_target)

@@ -31,7 +31,7 @@ from stt_codegen.report.pictures.tube_pictures import figure_of
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.sets.motion import Course
 from stt_codegen.task.task import Task
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 from tests.task.test_shapes import checker_exit_code
 
 HEAD = """name = "hall"
@@ -90,7 +90,7 @@ TEXTS = {
 @pytest.fixture(scope="module")
 def controllers() -> dict[str, EmittedController]:
     """Return the controllers of `TEXTS`, by name."""
-    return {name: built(parse_task(text)) for name, text in TEXTS.items()}
+    return {name: build_once(parse_task(text)) for name, text in TEXTS.items()}
 
 
 def draw_course(draw: Random, n: int) -> Course:
@@ -149,7 +149,7 @@ def test_a_tube_among_moving_sets_is_certified_accepted_and_without_a_fault(
     assert controller.certificate.holds
     assert checker_exit_code(TEXTS[name], controller.files, tmp_path) == 0
     assert first_fault(controller.task, controller.design) is None
-    plain = built(parse_task(PLAIN))
+    plain = build_once(parse_task(PLAIN))
     assert cost_of(controller.program, "control") == cost_of(plain.program, "control")
 
 
@@ -194,7 +194,7 @@ def test_nothing_unsafe_passes_among_moving_mutants() -> None:
 
 def test_the_slack_over_moving_sets_is_the_exact_one_rounded_down() -> None:
     """Constraints of moving sets against their definition in fractions, on whole segments and on parts of them."""
-    controller = built(parse_task(TEXTS["all"]))
+    controller = build_once(parse_task(TEXTS["all"]))
     design, draw = controller.design, Random(3)
     segments_per_second = Fraction(design.segments) / design.prescribed_time
     for avoidance in avoidances(controller.task):
@@ -280,7 +280,7 @@ def test_the_picture_shows_the_arena_at_several_times(controllers: dict[str, Emi
         return [axis.get_title() for axis in figure_of(controllers[name]).axes if axis.get_title().startswith("t = ")]
 
     assert times("all") == [f"t = {v} s" for v in ("0", "1.8", "3.6", "5.4", "7.2", "9")]
-    assert not [a for a in figure_of(built(parse_task(PLAIN))).axes if a.get_title().startswith("t = ")]
+    assert not [a for a in figure_of(build_once(parse_task(PLAIN))).axes if a.get_title().startswith("t = ")]
 
 
 def test_header_and_certificate_mention_the_clock_only_for_moving_sets(controllers: dict[str, EmittedController]) -> None:
@@ -288,13 +288,13 @@ def test_header_and_certificate_mention_the_clock_only_for_moving_sets(controlle
     assert b"t = 0 is when the clock of the sets shows 0, or at most 0.4 s after" in files["hall.h"]
     assert b"cart 0.2 s" in files["hall.h"]
     assert b'"clock": {"start_delay": "2/5", "timing": {"cart": "1/5"}}' in files["hall.certificate.json"]
-    plain_files = built(parse_task(PLAIN)).files
+    plain_files = build_once(parse_task(PLAIN)).files
     assert not [name for name, data in plain_files.items() if b"clock" in data]
 
 
 def test_a_moving_target_is_reached_where_it_is_at_t_c(tmp_path: Path) -> None:
     text = PLAIN + "motion = [{at = 0, by = [-4, 0]}, {at = 6, by = [-2, -1.5]}]\n"
-    controller = built(parse_task(text))
+    controller = build_once(parse_task(text))
     assert controller.certificate.holds
     assert checker_exit_code(text, controller.files, tmp_path) == 0
     (lower_1, upper_1), (lower_2, upper_2) = (
@@ -314,7 +314,7 @@ def test_a_moving_target_is_reached_where_it_is_at_t_c(tmp_path: Path) -> None:
 )
 def test_a_target_of_several_constraints_moves_with_all_of_them(target: str, tmp_path: Path) -> None:
     text = PLAIN.replace("lower = [4.5, 4.5]\nupper = [5, 5]\n", target)
-    controller = built(parse_task(text))
+    controller = build_once(parse_task(text))
     assert controller.certificate.holds
     assert checker_exit_code(text, controller.files, tmp_path) == 0
     assert first_fault(controller.task, controller.design) is None
@@ -340,7 +340,7 @@ tube = {{ clearance = {float(unit) / 100:.8f}, min_width = {float(unit) / 10:.8f
 lower = {corners[0]}
 upper = {corners[1]}
 {motion}"""
-    controller = built(parse_task(text))
+    controller = build_once(parse_task(text))
     assert checker_exit_code(text, controller.files, tmp_path) == 0
 
 
@@ -358,9 +358,9 @@ lower = [0.8]
 upper = [1]
 during = [0, 4]
 """
-    assert built(parse_task(text)).certificate.holds
+    assert build_once(parse_task(text)).certificate.holds
     slow = PLAIN.replace("prescribed_time = 9", "prescribed_time = 900") + CART.replace("at = 5", "at = 500")
-    assert built(parse_task(slow + "[tube]\nsegments = 16\n")).certificate.holds
+    assert build_once(parse_task(slow + "[tube]\nsegments = 16\n")).certificate.holds
 
 
 def test_the_trace_has_the_displacements_of_the_chosen_clock(controllers: dict[str, EmittedController]) -> None:
@@ -398,7 +398,7 @@ def test_a_tube_in_five_dimensions_avoids_a_moving_set() -> None:
             },
         ],
     )
-    controller = built(task)
+    controller = build_once(task)
     assert controller.certificate.holds
     assert first_fault(task.model_copy(update={"unsafe": task.unsafe[1:]}), controller.design) is None
 
@@ -407,7 +407,7 @@ def test_random_arenas_of_movers_with_a_route_are_certified() -> None:
     for seed in range(6):
         arena = draw_moving_sets(FOUR, seed)
         assert has_way(arena, 0.1)
-        assert built(task_of(arena)).certificate.holds
+        assert build_once(task_of(arena)).certificate.holds
 
 
 WALL = """[[unsafe]]
@@ -421,20 +421,20 @@ during = [{active_interval}]
 def test_a_refusal_names_the_set_that_closes_the_route_its_times_and_a_remedy() -> None:
     with pytest.raises(NotCertified, match=r"gate \(a way would open if it were safe from [\d.]+ s to [\d.]+ s\) closes it"):
         refine(parse_task(PLAIN + WALL.format(active_interval="0, 8.9")))
-    assert built(parse_task(PLAIN + WALL.format(active_interval="0, 4"))).certificate.holds
+    assert build_once(parse_task(PLAIN + WALL.format(active_interval="0, 4"))).certificate.holds
     late = HEAD.format(head="start_delay = 8", body="") + WALL.format(active_interval="8, 9")
     with pytest.raises(NotCertified, match=r"a way opens at, for example, start_delay = ") as refusal:
         refine(parse_task(late))
     delay, longer = (
         re.findall(rf"{name} = ([\d.]+)", str(refusal.value))[0].rstrip(".") for name in ("start_delay", "prescribed_time")
     )
-    assert built(parse_task(late.replace("start_delay = 8", f"start_delay = {delay}"))).certificate.holds
-    assert built(parse_task(late.replace("prescribed_time = 9", f"prescribed_time = {longer}"))).certificate.holds
+    assert build_once(parse_task(late.replace("start_delay = 8", f"start_delay = {delay}"))).certificate.holds
+    assert build_once(parse_task(late.replace("prescribed_time = 9", f"prescribed_time = {longer}"))).certificate.holds
     gap = '[[unsafe]]\nname = "{}"\nlower = [2, {}]\nupper = [3, {}]\nduring = [0, 9]\n'
     with pytest.raises(NotCertified, match="tube.clearance = ") as refusal:
         refine(parse_task(PLAIN + gap.format("low", -0.2, 2) + gap.format("high", 2.1, 5.2)))
     value = str(refusal.value).split("tube.clearance = ")[1].split(",")[0].split(" ")[0]
-    assert built(
+    assert build_once(
         parse_task(PLAIN + gap.format("low", -0.2, 2) + gap.format("high", 2.1, 5.2) + f"[tube]\nclearance = {value}\n")
     ).certificate.holds
 
@@ -475,7 +475,7 @@ def test_a_motion_of_open_half_spaces_is_refused() -> None:
     motion = "motion = [{at = 0, by = [2, 2]}, {at = 9, by = [3, 1]}]\n"
     with pytest.raises(BadInput, match=r"unsafe\[0\].motion: the half-spaces leave the set open"):
         parse_task(PLAIN + unbounded + motion)
-    assert built(parse_task(PLAIN + bounded + motion)).certificate.holds
+    assert build_once(parse_task(PLAIN + bounded + motion)).certificate.holds
 
 
 @pytest.mark.parametrize(
@@ -495,4 +495,4 @@ def test_a_set_that_reaches_the_start_only_by_its_uncertainty_is_refused_with_th
 
 def test_the_clock_option_is_refused_without_moving_sets() -> None:
     with pytest.raises(BadInput, match="--clock worst: no unsafe set"):
-        simulate(built(parse_task(PLAIN)), Request(clock="worst"), None)
+        simulate(build_once(parse_task(PLAIN)), Request(clock="worst"), None)

@@ -20,7 +20,7 @@ from stt_codegen.errors import NotCertified
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
 from tests.design.test_moving import draw_course
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 
 ROOM_TASK = """\
 name = "room"
@@ -149,15 +149,15 @@ FAR = '[[unsafe]]\nname = "far"\nlower = [{0}, {0}]\nupper = [{1}, {1}]\nmotion 
 def test_a_thin_set_closes_a_route_like_a_thick_one(right_edge: str) -> None:
     door = THIN.format(right_edge) + "during = [0, 9]\n"
     with pytest.raises(NotCertified, match="door"):
-        built(parse_task(ROOM_TASK.format(sets=door)))
+        build_once(parse_task(ROOM_TASK.format(sets=door)))
     with pytest.raises(NotCertified, match="door"):  # a standing set closes the route; the moving one is far away
-        built(parse_task(ROOM_TASK.format(sets=THIN.format(right_edge) + FAR.format(20, 21))))
+        build_once(parse_task(ROOM_TASK.format(sets=THIN.format(right_edge) + FAR.format(20, 21))))
 
 
 def test_a_moving_set_that_is_far_away_closes_no_route() -> None:
     block = "[[unsafe]]\nlower = [2, -0.2]\nupper = [3, 2.4]\n[[unsafe]]\nlower = [2, 3.1]\nupper = [3, 5.2]\n"
-    assert built(parse_task(ROOM_TASK.format(sets=block))).certificate.holds
-    assert built(parse_task(ROOM_TASK.format(sets=block + FAR.format(20, 21)))).certificate.holds
+    assert build_once(parse_task(ROOM_TASK.format(sets=block))).certificate.holds
+    assert build_once(parse_task(ROOM_TASK.format(sets=block + FAR.format(20, 21)))).certificate.holds
 
 
 def gated_task(n: int, end: str) -> Task:
@@ -179,7 +179,7 @@ def test_the_set_that_closes_the_route_is_named_in_any_dimension(n: int) -> None
         NotCertified,
         match=r"gate \(a way would open if it were safe from [\d.]+ s to [\d.]+ s\) closes it; a way opens at, for example, prescribed_time",
     ):
-        built(gated_task(n, "8.9999"))
+        build_once(gated_task(n, "8.9999"))
 
 
 def test_a_cell_of_a_slice_is_free_exactly_where_the_box_around_it_is() -> None:

@@ -22,7 +22,7 @@ from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.report.figures.trade import trade_report
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 refine_module = import_module("stt_codegen.design.refine")
 OMNI = load_task(ROOT / "tasks" / "omni_s2.toml")
@@ -71,7 +71,7 @@ def test_the_smoothest_tube_bends_less_and_is_as_slow_and_as_wide(seed: int) -> 
 
 def test_without_unsafe_sets_a_tube_goes_straight_until_it_comes_to_rest() -> None:
     """Only the last two steps, which bring the tube to rest, may differ from the others."""
-    controller = built(load_task(ROOT / "tasks" / "empty.toml"))
+    controller = build_once(load_task(ROOT / "tasks" / "empty.toml"))
     points = controller.design.integers()[:, :, 0]
     steps = np.diff(points, axis=0)
     for i in range(points.shape[1]):
@@ -85,26 +85,26 @@ def test_without_unsafe_sets_a_tube_goes_straight_until_it_comes_to_rest() -> No
 @pytest.mark.parametrize("limits", [(0.7, 0.9), (2, 0.7), (0.6, 5)])
 def test_every_component_keeps_its_own_max_speed(limits: tuple[float, float], tmp_path: Path) -> None:
     task = OMNI.changed(tube={"max_speed": limits})
-    controller = built(task)
+    controller = build_once(task)
     assert all(v <= Fraction(str(limit)) for v, limit in zip(controller.certificate.speed, limits, strict=True))
     assert exit_code_of_checker(controller, task, tmp_path) == 0
 
 
 def test_limits_by_component_admit_a_task_that_one_limit_for_all_refuses() -> None:
     with pytest.raises(NotCertified, match=r"speed \(P6\)"):
-        built(OMNI.changed(tube={"max_speed": 0.6}))
-    assert built(OMNI.changed(tube={"max_speed": [0.6, 5]})).certificate.holds
+        build_once(OMNI.changed(tube={"max_speed": 0.6}))
+    assert build_once(OMNI.changed(tube={"max_speed": [0.6, 5]})).certificate.holds
 
 
 def test_one_limit_is_that_limit_for_every_component() -> None:
-    with_one_limit, with_limits = (built(OMNI.changed(tube={"max_speed": v})) for v in (0.8, [0.8, 0.8]))
+    with_one_limit, with_limits = (build_once(OMNI.changed(tube={"max_speed": v})) for v in (0.8, [0.8, 0.8]))
     assert with_one_limit.design == with_limits.design
 
 
 @pytest.mark.parametrize("limit", [1, 0.6, 0.3, (1, 0.5)])
 def test_accelerations_are_kept_by_both_edges_and_claimed(limit: object, tmp_path: Path) -> None:
     task = OMNI.changed(tube={"max_acceleration": limit})
-    controller = built(task)
+    controller = build_once(task)
     largest = largest_accelerations(controller)
     assert all(a <= b for a, b in zip(largest, task.max_acceleration or (), strict=True))
     assert exit_code_of_checker(controller, task, tmp_path) == 0
@@ -123,14 +123,14 @@ def test_accelerations_are_kept_by_both_edges_and_claimed(limit: object, tmp_pat
 @pytest.mark.parametrize("tube", [{"max_acceleration": 0.2}, {"max_acceleration": [1, 0.25]}, {"max_speed": [0.61, 0.62]}])
 def test_a_refusal_names_a_limit_and_a_time_that_work(tube: dict[str, object]) -> None:
     with pytest.raises(NotCertified) as refusal:
-        built(OMNI.changed(tube=tube))
+        build_once(OMNI.changed(tube=tube))
     (option,) = tube
     advised = re.search(r"raise tube.max_\w+ to (\[?[\d., ]+\]?),", str(refusal.value))
     assert advised is not None
-    assert built(OMNI.changed(tube={option: json.loads(advised[1])})).certificate.holds
+    assert build_once(OMNI.changed(tube={option: json.loads(advised[1])})).certificate.holds
     longer = re.search(r"prescribed_time to ([\d.]+) s", str(refusal.value))
     assert longer is not None
-    assert built(OMNI.changed(tube=tube, prescribed_time=longer[1])).certificate.holds
+    assert build_once(OMNI.changed(tube=tube, prescribed_time=longer[1])).certificate.holds
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ def test_a_refusal_names_a_limit_and_a_time_that_work(tube: dict[str, object]) -
 def test_every_value_that_a_refusal_names_works(family: str, seed: int, tube: dict[str, object]) -> None:
     task = arena_task(FAMILIES[family], seed).changed(tube=tube)
     try:
-        built(task)
+        build_once(task)
     except NotCertified as refusal:
         message = str(refusal)
     else:
@@ -158,7 +158,7 @@ def test_every_value_that_a_refusal_names_works(family: str, seed: int, tube: di
     for option, time, text in values:
         value = json.loads(text)
         change = {"prescribed_time": value} if time else {"tube": {option: value}}
-        assert built(task.changed(**change)).certificate.holds, (message, option or time)
+        assert build_once(task.changed(**change)).certificate.holds, (message, option or time)
 
 
 @pytest.mark.parametrize(
@@ -167,10 +167,10 @@ def test_every_value_that_a_refusal_names_works(family: str, seed: int, tube: di
 )
 def test_a_limit_that_the_tube_keeps_anyway_changes_nothing(family: str, seed: int, loose: float) -> None:
     task = arena_task(FAMILIES[family], seed)
-    plain = built(task)
+    plain = build_once(task)
     just_above = [float(v) * 1.0005 for v in plain.certificate.speed]
     for bounds in (just_above, [just_above[0], loose], [loose, just_above[1]]):
-        assert built(task.changed(tube={"max_speed": [f"{v:.7g}" for v in bounds]})).design == plain.design
+        assert build_once(task.changed(tube={"max_speed": [f"{v:.7g}" for v in bounds]})).design == plain.design
 
 
 @pytest.mark.parametrize("bounds", [[30, 1], [1, 1e5], [1000, 0.9], [1, 1e9]])
@@ -178,10 +178,10 @@ def test_a_limit_that_the_tube_keeps_anyway_changes_nothing(family: str, seed: i
 def test_a_loose_limit_beside_a_tight_one_makes_no_fast_tube(seed: int, bounds: list[float]) -> None:
     task = arena_task(FAMILIES["dense12"], 420 + seed)
     try:
-        plain = built(task)
+        plain = build_once(task)
     except NotCertified:
         return
-    controller = built(task.changed(tube={"max_speed": bounds}))
+    controller = build_once(task.changed(tube={"max_speed": bounds}))
     assert controller.certificate.holds
     assert max(controller.certificate.speed) <= 2.01 * max(plain.certificate.speed)
 

@@ -35,7 +35,7 @@ from stt_codegen.task.load import parse_task
 from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until
 from stt_codegen.task.mission.regions import StateFormula, state_formulas_of, with_state_formulas
 from tests.design.test_missions import NAMES, exit_code_of_checker, formulas
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 BEGIN, END = 3, 8  # seconds: begin and end of the cycle that repeats
 PLACES = 2 * END  # half seconds from 0 to END; END is not among them, because a signal there is as at BEGIN
@@ -48,7 +48,7 @@ ORDER_TWO = WATCHMAN.replace("0.02", "0.005").replace(
 @cache
 def watchman_controller(text: str = WATCHMAN) -> EmittedController:
     """Return the controller of the watchman, or of another task."""
-    return built(parse_task(text))
+    return build_once(parse_task(text))
 
 
 # --------------------------------------------------------------------------------------------------- the algebra
@@ -421,7 +421,7 @@ def test_tool_and_checker_refuse_the_tube_for_another_mission(change: tuple[str,
 def test_an_option_that_does_not_fit_repeat_is_refused_with_one_message(change: tuple[str, str], message: str) -> None:
     assert change[0] in WATCHMAN
     with pytest.raises((BadInput, NotCertified)) as error:
-        built(parse_task(WATCHMAN.replace(*change)))
+        build_once(parse_task(WATCHMAN.replace(*change)))
     assert message in str(error.value)
     assert "\n" not in str(error.value)
 
@@ -444,7 +444,7 @@ def test_repeat_without_a_mission_is_refused() -> None:
 )
 def test_missions_with_windows_without_end_or_longer_than_a_cycle_get_a_tube(entry: str, tmp_path: Path) -> None:
     text = WATCHMAN.replace('patrol = ["gate", "office", "store"]\nevery = 14', entry)
-    controller = built(parse_task(text))
+    controller = build_once(parse_task(text))
     assert exit_code_of_checker(controller, text, tmp_path) == 0
     if "eventually always" in entry:
         proof = controller.certificate.mission
@@ -455,7 +455,7 @@ def test_missions_with_windows_without_end_or_longer_than_a_cycle_get_a_tube(ent
 def test_a_round_that_has_too_little_time_is_refused_with_a_larger_max_speed() -> None:
     """This is so although the search tries rounds by the hundred."""
     with pytest.raises(NotCertified, match=r"tube.max_speed 0.5.*raise tube.max_speed to 0\.\d+"):
-        built(parse_task(WATCHMAN.replace("[emit]", "[tube]\nmax_speed = 0.5\n[emit]")))
+        build_once(parse_task(WATCHMAN.replace("[emit]", "[tube]\nmax_speed = 0.5\n[emit]")))
 
 
 def test_a_period_that_rounds_to_nothing_on_a_clock_in_seconds_is_refused() -> None:

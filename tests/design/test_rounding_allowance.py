@@ -100,7 +100,7 @@ def task_of(kind: str) -> Task:
 
 
 @cache
-def built(kind: str) -> api.Controller:
+def build_once(kind: str) -> api.Controller:
     """Return the controller of a task of `KINDS`, as a script gets it."""
     return api.build(task_of(kind))
 
@@ -122,7 +122,7 @@ def test_a_task_that_needs_a_larger_allowance_is_certified(kind: str) -> None:
     design = api.design(task)
     certificate = api.certify(task, design)
     assert certificate.holds
-    assert (design, certificate) == (built(kind).design, built(kind).certificate)
+    assert (design, certificate) == (build_once(kind).design, build_once(kind).certificate)
 
 
 @pytest.mark.parametrize("kind", ["maze", "for ever"])
@@ -133,10 +133,10 @@ def test_its_tube_of_the_usual_allowance_is_refused(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", ["maze", "for ever"])
 def test_the_stand_alone_checker_accepts_it(kind: str, tmp_path: Path) -> None:
-    for name, data in built(kind).files.items():
+    for name, data in build_once(kind).files.items():
         (tmp_path / name).write_bytes(data)
     (tmp_path / "task.toml").write_text(KINDS[kind])
-    name = built(kind).task.name
+    name = build_once(kind).task.name
     assert checker.main([str(tmp_path / file) for file in ("task.toml", f"{name}.c", f"{name}.certificate.json")]) == 0
 
 
@@ -145,13 +145,13 @@ def test_the_command_line_designs_the_same_tube(tmp_path: Path, capsys: pytest.C
     file.write_text(KINDS["for ever"])
     command(file, json=True)
     report = json.loads(capsys.readouterr().out)
-    margins = [float(finding.margin) for finding in built("for ever").certificate.findings]
+    margins = [float(finding.margin) for finding in build_once("for ever").certificate.findings]
     assert report["certified"]
     assert [p["margin"] for p in report["properties"]] == pytest.approx(margins)
 
 
 def test_the_uncertified_flag_does_not_change_the_tube() -> None:
-    assert build_task(task_of("maze"), uncertified=True).files == built("maze").files
+    assert build_task(task_of("maze"), uncertified=True).files == build_once("maze").files
 
 
 def test_where_no_tube_has_the_larger_allowance_the_refusal_is_about_rounding(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -194,7 +194,7 @@ def test_a_design_leaves_its_allowance_up_to_the_rounding_of_coefficients(kind: 
     usual = refine(task)
     factor = needed_allowance_factor(task, usual)
     assert factor > 1
-    larger = built(kind).design
+    larger = build_once(kind).design
     assert isinstance(larger, RefinedDesign)
     for design, times in ((usual, 1), (larger, factor)):
         assert min(margins_per_error(task, design)) >= COVERED_SHARE * ALLOWANCE_STEPS * times
@@ -217,7 +217,7 @@ def test_the_factor_changes_every_bound_on_edges_and_none_on_rates() -> None:
 
 
 def test_the_error_computed_from_a_design_is_that_of_its_emitted_program() -> None:
-    controller = built("maze")
+    controller = build_once("maze")
     assert isinstance(controller.design, RefinedDesign)
     assert edge_error_of_design(controller.task, controller.design) == controller.certificate.edge_error
 

@@ -18,7 +18,7 @@ from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.record.manifest import read_manifest
 from stt_codegen.task import load_task
 from tests.emit.test_runtime_errors import FOLDERS
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 ENDS = (-(2**31), 2**31 - 1)
 SPECIAL_VALUES = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e30, -1e30)
@@ -45,7 +45,7 @@ NEVER_TAKEN = {
 def controller_in(folder: str) -> EmittedController:
     """Return the controller that is recorded in a folder of generated/."""
     entry = next(e for e in read_manifest(ROOT / "generated") if e.folder == folder)
-    return built(load_task(ROOT / "generated" / entry.task).with_options(entry.design, entry.scalar), entry.uncertified)
+    return build_once(load_task(ROOT / "generated" / entry.task).with_options(entry.design, entry.scalar), entry.uncertified)
 
 
 def call_all(controller: EmittedController, c: CompiledC) -> None:

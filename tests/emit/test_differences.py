@@ -24,7 +24,7 @@ from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.sampling.loops import exact_loop, loop_of
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 
 ROOT = Path(__file__).parents[2]
 BY_DIFFERENCES = {"velocity": "differences"}
@@ -37,7 +37,7 @@ def drone_task(noise: float = 0.0001, **control: Any) -> Task:
 
 @cache
 def drone_controller(**control: Any) -> EmittedController:
-    return built(drone_task(**control))
+    return build_once(drone_task(**control))
 
 
 @pytest.mark.parametrize("period_min", [None, 0.005, 0.025])
@@ -120,7 +120,7 @@ def test_the_shift_grows_with_noise_and_shorter_periods_until_a_refusal() -> Non
     ]
     assert shifts == sorted(shifts)
     with pytest.raises(NotCertified, match="velocity by differences"):
-        built(drone_task(0.01, period_min=0.001))
+        build_once(drone_task(0.01, period_min=0.001))
 
 
 @pytest.mark.parametrize(
@@ -152,7 +152,7 @@ def test_the_checker_verifies_differences_and_refuses_changed_claims_and_code(tm
     text = text.replace("noise_v = 0.02", "").replace("[control]\n", '[control]\nvelocity = "differences"\nperiod_min = 0.01\n')
     text = text.replace("noise = 0.005", "noise = 0.0001")
     (tmp_path / "task.toml").write_text(text)
-    files = built(load_task(tmp_path / "task.toml")).files
+    files = build_once(load_task(tmp_path / "task.toml")).files
     for name, data in files.items():
         (tmp_path / name).write_bytes(data)
     arguments = [str(tmp_path / f) for f in ("task.toml", "drone.c", "drone.certificate.json")]

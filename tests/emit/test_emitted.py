@@ -27,7 +27,7 @@ from stt_codegen.program.nodes import Assign, Kernel, Op, Program, Var
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
 from stt_codegen.task.load import load_task, parse_task
-from tests.support.controllers import NAMES, ROOT, built, controller_of
+from tests.support.controllers import NAMES, ROOT, build_once, controller_of
 
 OK, OUTSIDE, BAD = 0, 1, 2
 BITS = st.integers(0, 2**32 - 1).map(lambda b: float(np.array([b], dtype=np.uint32).view(np.float32)[0]))
@@ -317,8 +317,8 @@ def test_outside_the_tube_u_points_inward_and_is_the_clamped_law(backends) -> No
 
 def test_a_negative_gain_changes_the_sign_of_u() -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    positive = built(parse_task(text))
-    negative = built(parse_task(text.replace("gain = 0.5", "gain = -0.5")))
+    positive = build_once(parse_task(text))
+    negative = build_once(parse_task(text.replace("gain = 0.5", "gain = -0.5")))
     points = np.linspace(0, 9, 40), np.random.default_rng(0).uniform(0, 5, (40, 2))
     a = CompiledC(positive).control(*points)
     b = CompiledC(negative).control(*points)
@@ -328,8 +328,8 @@ def test_a_negative_gain_changes_the_sign_of_u() -> None:
 
 def test_u_max_saturates_u_and_changes_no_smaller_u() -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    unlimited = built(parse_task(text))
-    limited = built(parse_task(text.replace("gain = 0.5", "gain = 0.5\nu_max = [1.5, 0.75]")))
+    unlimited = build_once(parse_task(text))
+    limited = build_once(parse_task(text.replace("gain = 0.5", "gain = 0.5\nu_max = [1.5, 0.75]")))
     points = np.linspace(-1, 10, 200), np.random.default_rng(1).uniform(-1, 6, (200, 2))
     for kind in (lambda c: CompiledC(c), lambda c: GeneratedPython(c)):
         a, b = kind(unlimited).control(*points), kind(limited).control(*points)
@@ -459,7 +459,7 @@ def test_the_design_hash_differs_for_every_design_and_option() -> None:
     assert len(hashes) == 2 * len(NAMES)
     assert all(len(n) == 16 for n in hashes)
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    gain = built(parse_task(text.replace("gain = 0.5", "gain = 0.25")))
+    gain = build_once(parse_task(text.replace("gain = 0.5", "gain = 0.25")))
     assert design_hash(gain) != design_hash(controller_of("omni_s2"))
 
 
@@ -498,7 +498,7 @@ def test_a_clamp_too_near_zero_or_one_for_the_scalar_is_refused() -> None:
 
 def test_the_emitted_u_never_exceeds_u_max_although_0_1_is_no_float() -> None:
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
-    limited = built(parse_task(text.replace("gain = 0.5", "gain = 0.5\nu_max = [0.1, 0.7]")))
+    limited = build_once(parse_task(text.replace("gain = 0.5", "gain = 0.5\nu_max = [0.1, 0.7]")))
     _, u = CompiledC(limited).control(np.linspace(0, 9, 50), np.random.default_rng(1).uniform(-1, 6, (50, 2)))
     for k, bound in enumerate((Fraction("0.1"), Fraction("0.7"))):
         largest = Fraction(float(np.abs(u[:, k]).max()))

@@ -33,7 +33,7 @@ from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 from tests.support.missing_tools import skip_without
 
 # One task for each part of the template: the library's logarithm, the inline one with ticks, alpha of the adaptive tube, order 2, phases,
@@ -59,7 +59,7 @@ def task_of(shape: str) -> Task:
 
 @cache
 def rust_controller(shape: str, scalar: str = "float") -> EmittedController:
-    return built(task_of(shape).with_options(scalar=scalar, language="rust"))
+    return build_once(task_of(shape).with_options(scalar=scalar, language="rust"))
 
 
 def write_workspace(folder: Path, shapes: list[str]) -> None:
@@ -293,7 +293,7 @@ def test_the_drive_of_the_page_on_rust_compiles(tmp_path, tool) -> None:
     rustc = tool("rustc")
     page = (ROOT / "docs" / "rust.md").read_text()
     (source,) = re.findall(r"^```rust\n(use .*?)^```", page, re.M | re.S)
-    controller = built(load_task(ROOT / "tasks" / "crawler.toml"))
+    controller = build_once(load_task(ROOT / "tasks" / "crawler.toml"))
     (tmp_path / "crawler.rs").write_bytes(controller.files["crawler.rs"])
     (tmp_path / "embedded_hal.rs").write_text(HAL)
     (tmp_path / "drive.rs").write_text("#![no_std]\n" + source)
@@ -317,7 +317,7 @@ def test_reserved_words_of_rust_are_refused_as_names() -> None:
 
 @pytest.mark.parametrize("name", ["Real", "Status", "N", "control"])
 def test_a_task_may_have_the_name_of_an_item_in_its_crate(name: str, tmp_path, tool) -> None:
-    controller = built(task_of("omni_s2").changed(name=name, emit={"rust": True, "math": "inline"}))
+    controller = build_once(task_of("omni_s2").changed(name=name, emit={"rust": True, "math": "inline"}))
     write_files(tmp_path, package(controller, "rust"))
     tested = run(tmp_path / name, tool("cargo"), "test", "--offline")
     assert tested.returncode == 0, tested.stderr
@@ -332,7 +332,7 @@ def test_generate_writes_the_crate_and_other_boards_are_refused(tmp_path, monkey
         "Cargo.toml", "extras/omni_board.certificate.json", "extras/omni_board.py", "src/lib.rs", "tests/selftest.rs",
     ]  # fmt: skip
     assert (crate / "src" / "lib.rs").read_bytes() == rust_controller("omni_board").files["omni_board.rs"]
-    assert "omni_board.rs" not in built(task_of("omni_board")).files
+    assert "omni_board.rs" not in build_once(task_of("omni_board")).files
     with pytest.raises(BadInput, match="Rust is linked with C on ARM boards alone: m0, m3, m4f, m7"):
         Emulated(rust_controller("omni_board"), BOARDS["rv32"], rust=True)
     assert rust_boards() == ["m0", "m3", "m4f", "m7"]

@@ -20,7 +20,7 @@ from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.nodes import Status
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.task.load import parse_task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 TASK = (ROOT / "tasks" / "omni_s2.toml").read_text()
 EMPTY = (ROOT / "tasks" / "empty.toml").read_text()
@@ -36,7 +36,7 @@ def with_filter(text: str, value: str) -> str:
 
 @cache
 def selftested(text: str, scalar: str = "float", design: str = "refined", more: str = "") -> EmittedController:
-    return built(parse_task(f"{text}\n[emit]\nselftest = true\n{more}").with_options(design, scalar))
+    return build_once(parse_task(f"{text}\n[emit]\nselftest = true\n{more}").with_options(design, scalar))
 
 
 def selftest_result(
@@ -256,7 +256,7 @@ def test_arithmetic_without_nan_fails_the_self_test(text: str, tool, tmp_path) -
 
 
 def test_without_emit_selftest_there_is_no_self_test() -> None:
-    files = built(parse_task(TASK)).files
+    files = build_once(parse_task(TASK)).files
     assert "omni_s2_selftest.c" not in files
     assert b"selftest" not in files["omni_s2.h"]
 

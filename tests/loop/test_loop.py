@@ -28,7 +28,7 @@ from stt_codegen.plants import PLANTS, Plant
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task.load import load_task
 from stt_codegen.task.sets.convex_sets import BoxSet
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 PAIRS = [("omni_s2", "integrator"), ("omni_heading", "robot"), ("spacecraft", "spacecraft"), ("omni_s3", "arm")]
 
@@ -339,7 +339,7 @@ def test_simulate_refuses_malformed_options_by_name(arguments: list[str], messag
 def test_a_disturbance_of_exactly_w_max_is_within_the_bounds(w_max: str) -> None:
     """The double nearest to a decimal may be above it."""
     task = OMNI.changed(plant={"w_max": w_max})
-    assert simulate(built(task), Request(plant="bounds"), None).fulfilled
+    assert simulate(build_once(task), Request(plant="bounds"), None).fulfilled
 
 
 def test_a_trace_in_csv_reads_as_the_same_numbers() -> None:

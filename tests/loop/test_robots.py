@@ -21,7 +21,7 @@ from stt_codegen.report.analysis import Analysis
 from stt_codegen.sampling.order_two import velocity_bounds
 from stt_codegen.sampling.plant import PlantEnclosure
 from stt_codegen.task.load import load_task
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 
 ROOT = Path(__file__).parents[2]
 ROBOTS = ("arm", "attitude", "base", "drone", "rover")
@@ -31,7 +31,7 @@ ROBOTS = ("arm", "attitude", "base", "drone", "rover")
 def robot(name: str) -> tuple[EmittedController, Model]:
     """Return the controller of a robot's task, and the plant of its file."""
     task = load_task(ROOT / "tasks" / f"{name}.toml")
-    return built(task), plant_of(str(ROOT / "tasks" / f"{name}.py"), task.dimension, task.order)
+    return build_once(task), plant_of(str(ROOT / "tasks" / f"{name}.py"), task.dimension, task.order)
 
 
 @cache
@@ -120,7 +120,7 @@ def test_loops_keep_the_tube_with_any_constants_and_disturbance(name: str) -> No
 def test_u_is_mixed_with_the_state_of_its_sample() -> None:
     """x' = M(x of the sample) u with M = 1 + x: between samples x has the constant speed of the sample's M."""
     task = load_task(ROOT / "tasks" / "omni_s2.toml")
-    controller = built(task)
+    controller = build_once(task)
     import casadi as ca
 
     mixing_plant = Plant(
@@ -143,7 +143,7 @@ def test_u_is_mixed_with_the_state_of_its_sample() -> None:
 
 def test_constants_are_drawn_from_their_ranges_once_a_run() -> None:
     task = load_task(ROOT / "tasks" / "omni_s2.toml")
-    controller = built(task)
+    controller = build_once(task)
     drifting = Plant(
         name="p", dimension=2, drift=lambda x, p: [p[0], 0], input_matrix=lambda x, p: [[1, 0], [0, 1]], constants=((0.01, 0.03),)
     )
@@ -226,7 +226,7 @@ def test_equal_bounds_by_component_equal_one_bound_for_all() -> None:
     bounds = {k: v for k, v in task.plant.bounds.items() if v is not None and k != "noise"}
     listed = task.changed(plant={k: [v] * task.dimension for k, v in bounds.items()})
     assert listed.plant_bounds == task.plant_bounds
-    proved, proved_by_component = built(task).certificate.proved_period, built(listed).certificate.proved_period
+    proved, proved_by_component = build_once(task).certificate.proved_period, build_once(listed).certificate.proved_period
     assert proved is not None
     assert proved == proved_by_component
     weaker = task.changed(plant={"g_min": [bounds.get("g_min", Fraction(1)), Fraction(1, 10)]})

@@ -43,14 +43,14 @@ from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.task import Task
 from tests.program.test_program import BANK, points_of
 from tests.support.bank import kernel_of, one_function_program, run_c
-from tests.support.controllers import ADAPTABLE, NAMES, ROOT, built
+from tests.support.controllers import ADAPTABLE, NAMES, ROOT, build_once
 
 RANDOM = np.random.default_rng(4)
 
 
 @cache
 def emitted_controller(name: str, design: str, scalar: str = "float") -> EmittedController:
-    return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar))
+    return build_once(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar))
 
 
 @cache
@@ -309,7 +309,7 @@ def with_more_clearance(task: Task, increase: Fraction) -> Task:
 
 def test_a_literal_tube_is_refused_by_failures_at_samples() -> None:
     task = load_task(ROOT / "tasks" / "omni_s2.toml").with_options("literal")
-    controller = built(task, uncertified=True)
+    controller = build_once(task, uncertified=True)
     assert controller.certificate.method == "sampled"
     assert {"P1", "P4", "P5"} <= {f.code for f in controller.certificate.failures}
 
@@ -320,7 +320,7 @@ def test_the_start_in_the_certificate_is_a_box_around_the_initial_state(offset: 
     text = (ROOT / "tasks" / "omni_s1.toml").read_text()
     lists = re.sub(r"\[([-\d., ]+)\]", lambda m: str([float(v) + offset for v in m.group(1).split(",")]), text)
     task = parse_task(lists).with_options("adaptive", "double")
-    controller = built(task)
+    controller = build_once(task)
     document = json.loads(controller.files["omni_s1.certificate.json"])
     for low, x, high, (a, b) in zip(
         document["start"]["lower"], task.initial_state, document["start"]["upper"], controller.certificate.start, strict=True
@@ -340,7 +340,7 @@ def test_extreme_parameters_are_refused_or_certified_without_a_defect() -> None:
     ):
         task = parse_task(f"{text}\n[tube.adaptive]\n{name} = {value}\n").with_options("adaptive")
         try:
-            assert built(task).certificate.holds
+            assert build_once(task).certificate.holds
         except NotCertified as error:
             assert re.match(r"\w+ \(P\d+\)|holds at samples", str(error))
 

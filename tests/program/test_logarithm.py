@@ -19,13 +19,13 @@ from stt_codegen.program.number import FORMATS
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
 from stt_codegen.task.load import parse_task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 TASK = (ROOT / "tasks" / "omni_s2.toml").read_text()
 
 
 def inline(scalar: str = "float", more: str = "") -> EmittedController:
-    return built(parse_task(TASK + f'\n[emit]\nmath = "inline"\nscalar = "{scalar}"\n{more}'))
+    return build_once(parse_task(TASK + f'\n[emit]\nmath = "inline"\nscalar = "{scalar}"\n{more}'))
 
 
 def emitted_log(y: np.ndarray) -> np.ndarray:
@@ -95,7 +95,7 @@ def test_mantissas_from_one_half_on_would_break_the_bound() -> None:
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_c_and_python_stay_within_the_bound_of_the_library_version(scalar: str) -> None:
-    with_inline, with_library = inline(scalar), built(parse_task(TASK).with_options(scalar=scalar))
+    with_inline, with_library = inline(scalar), build_once(parse_task(TASK).with_options(scalar=scalar))
     random = np.random.default_rng(3)
     number = np.float32 if scalar == "float" else np.float64
     t, x = random.uniform(0, 9, 2000).astype(number), random.uniform(0, 5, (2000, 2)).astype(number)
@@ -135,7 +135,7 @@ def test_only_logarithms_are_replaced_by_inline_statements() -> None:
 def test_designs_that_need_exp_refuse_inline_mathematics(design: str) -> None:
     task = parse_task(TASK + '\n[emit]\nmath = "inline"\n').with_options(design)
     with pytest.raises(BadInput, match=f"emit.math.*{design} ones need exp"):
-        built(task, uncertified=True)
+        build_once(task, uncertified=True)
 
 
 def test_the_stated_bound_is_the_one_in_the_kernels_comment() -> None:

@@ -16,12 +16,12 @@ from stt_codegen.program.targets.c.printer import CPrinter
 from stt_codegen.task import load_task
 from tests.program.test_program import BANK
 from tests.support.bank import kernel_of, one_function_program
-from tests.support.controllers import ADAPTABLE, NAMES, ROOT, built
+from tests.support.controllers import ADAPTABLE, NAMES, ROOT, build_once
 
 
 @cache
 def emitted_controller(name: str, design: str, scalar: str) -> EmittedController:
-    return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar), uncertified=True)
+    return build_once(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar), uncertified=True)
 
 
 PAIRS = [(n, d) for n in NAMES for d in ("refined", "adaptive", "literal") if d == "refined" or n in ADAPTABLE]

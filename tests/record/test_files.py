@@ -20,7 +20,7 @@ from stt_codegen.record.overwriting import refuse_to_overwrite_certified
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.task.load import load_task
 from tests.support.command_line import run_command, run_in_new_process
-from tests.support.controllers import ROOT, built, controller_of
+from tests.support.controllers import ROOT, build_once, controller_of
 
 # Hash seed, time zone, locale and the vector instructions of NumPy and libm must not change a byte.
 ENVIRONMENTS = [
@@ -254,7 +254,7 @@ def test_an_uncertified_package_does_not_replace_a_certified_one(tmp_path) -> No
 
 def test_certified_files_of_every_kind_of_package_are_protected(tmp_path) -> None:
     assert tuple(KINDS) == PACKAGES
-    controller = built(load_task(ROOT / "tasks" / "omni_s3.toml").changed(emit={"rust": True}))
+    controller = build_once(load_task(ROOT / "tasks" / "omni_s3.toml").changed(emit={"rust": True}))
     for kind in KINDS:
         files = package(controller, kind)
         refuse_to_overwrite_certified(tmp_path / kind, files)  # the folder is empty
@@ -354,7 +354,7 @@ def test_a_run_killed_between_renames_leaves_a_complete_set_or_no_certificate(re
     old.write_text(text)
     new.write_text(text.replace("prescribed_time = 4.0", "prescribed_time = 5.0"))
     out = tmp_path / "out"
-    write_files(out, built(load_task(old)).files)
+    write_files(out, build_once(load_task(old)).files)
     run = subprocess.run([sys.executable, "-c", WRITE_AND_EXIT, str(new), str(out), str(renamed)], check=False)
     assert run.returncode == (9 if renamed < 4 else 0)
     is_verified = [
@@ -363,7 +363,7 @@ def test_a_run_killed_between_renames_leaves_a_complete_set_or_no_certificate(re
     assert is_verified == [False, renamed == 4]
     assert (out / "empty.certificate.json").exists() == (renamed == 4)
     assert bool(list(out.glob(".*"))) == (renamed < 4)
-    write_files(out, built(load_task(new)).files)
+    write_files(out, build_once(load_task(new)).files)
     assert not list(out.glob(".*"))  # the next write removes temporary files
     assert checker.main([str(new), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0
 

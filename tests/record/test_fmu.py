@@ -32,7 +32,7 @@ from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.record.fmu import NOT_OFFERED_2, NOT_OFFERED_3, controller_unit, fmu_units
 from stt_codegen.task.load import load_task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 # Tasks by name, and changes of omni_s2: axes with names, order 2, a mission that repeats, both guards.
 SHAPES: dict[str, dict[str, Any]] = {
@@ -48,7 +48,7 @@ VERSIONS = {"fmu": 3, "fmi2.fmu": 2}
 @cache
 def controller_of_shape(shape: str) -> EmittedController:
     task_name = shape if (ROOT / "tasks" / f"{shape}.toml").exists() else "omni_s2"
-    return built(load_task(ROOT / "tasks" / f"{task_name}.toml").changed(**SHAPES[shape]))
+    return build_once(load_task(ROOT / "tasks" / f"{task_name}.toml").changed(**SHAPES[shape]))
 
 
 PLANT = """
@@ -323,7 +323,7 @@ def test_a_unit_builds_from_its_sources(tmp_path, tool) -> None:
 )
 def test_names_of_axes_become_names_of_variables(axes: list[str] | None, names: list[str], tmp_path) -> None:
     labels = {} if axes is None else {"axes": axes, "units": ["deg", "m/s"]}
-    controller = built(load_task(ROOT / "tasks" / "omni_s2.toml").changed(**labels))
+    controller = build_once(load_task(ROOT / "tasks" / "omni_s2.toml").changed(**labels))
     (tmp_path / "unit.fmu").write_bytes(fmu_units(controller)["omni_s2.fmu"])
     assert validate_fmu(str(tmp_path / "unit.fmu")) == []
     variables = {v.name: v for v in read_model_description(tmp_path / "unit.fmu").modelVariables}
@@ -361,7 +361,7 @@ def test_two_designs_of_one_name_can_be_loaded_globally(tmp_path) -> None:
     task = load_task(ROOT / "tasks" / "omni_s2.toml")
     u = []
     for k, gain in enumerate((1, 3)):
-        controller = built(task.changed(control={"gain": gain}))
+        controller = build_once(task.changed(control={"gain": gain}))
         (tmp_path / str(k)).mkdir()
         data = fmu_units(controller)["omni_s2.fmu"]
         ctypes.CDLL(str(extract_library(data, tmp_path / str(k))), mode=ctypes.RTLD_GLOBAL)
@@ -377,7 +377,7 @@ def test_two_designs_of_one_name_can_be_loaded_globally(tmp_path) -> None:
 def test_the_name_of_a_task_does_not_collide_with_names_in_the_unit(task: str, name: str, tmp_path) -> None:
     """The tasks include C with a velocity, a guard, phases and a wrap."""
     outside = "stop" if task == "spacecraft" else "return"
-    controller = built(load_task(ROOT / "tasks" / f"{task}.toml").changed(name=name, control={"outside": outside}))
+    controller = build_once(load_task(ROOT / "tasks" / f"{task}.toml").changed(name=name, control={"outside": outside}))
     for version, suffix in ((2, "fmi2.fmu"), (3, "fmu")):
         unit = Slave(fmu_units(controller)[f"{name}.{suffix}"], tmp_path / str(version), version)
         unit.start()
@@ -431,7 +431,7 @@ def test_calls_in_a_wrong_order_and_invalid_times_are_refused(version: int, plan
 
 def test_a_tube_that_repeats_has_no_drift_after_10000_cycles(tmp_path) -> None:
     """The cycle is no float. After 10,000 cycles the edges are those after one cycle, up to one rounding of the time."""
-    controller = built(load_task(ROOT / "tasks" / "watchman.toml").changed(prescribed_time=15.9, emit={"tick_period": None}))
+    controller = build_once(load_task(ROOT / "tasks" / "watchman.toml").changed(prescribed_time=15.9, emit={"tick_period": None}))
     cycle = cycle_of(controller.design)
     assert cycle is not None
     assert np.float32(cycle.length) != cycle.length  # otherwise the test would not show anything
@@ -451,14 +451,14 @@ def test_a_tube_that_repeats_has_no_drift_after_10000_cycles(tmp_path) -> None:
 
 
 def test_a_unit_of_time_over_time_has_no_dimension(tmp_path) -> None:
-    controller = built(load_task(ROOT / "tasks" / "omni_s2.toml").changed(axes=["a", "b"], units=["s", "deg"]))
+    controller = build_once(load_task(ROOT / "tasks" / "omni_s2.toml").changed(axes=["a", "b"], units=["s", "deg"]))
     (tmp_path / "unit.fmu").write_bytes(fmu_units(controller)["omni_s2.fmu"])
     base_units = {d.name: d.baseUnit for d in read_model_description(tmp_path / "unit.fmu").unitDefinitions}
     assert [(base_units[n].s, base_units[n].rad) for n in ("s", "s/s", "deg", "deg/s")] == [(1, 0), (0, 0), (0, 1), (-1, 1)]
 
 
 def test_units_of_adaptive_tubes_are_refused_and_the_command_writes_refined_ones(tmp_path) -> None:
-    adaptive = built(load_task(ROOT / "tasks" / "omni_s2.toml").with_options("adaptive"))
+    adaptive = build_once(load_task(ROOT / "tasks" / "omni_s2.toml").with_options("adaptive"))
     with pytest.raises(BadInput, match="--package fmu: is for refined tubes"):
         fmu_units(adaptive)
     task = str(ROOT / "tasks" / "omni_s2.toml")
@@ -526,7 +526,7 @@ def test_a_unit_without_a_proved_period_has_no_variables_for_it() -> None:
     names = {v.name for v in controller_unit(controller_of_shape("omni_s2")).variables}
     assert not names & {"period_kept", "period_proved"}
     task = load_task(ROOT / "tasks" / "attitude.toml")
-    uncertified = built(task.changed(control={"gain": "0.000001"}), uncertified=True)
+    uncertified = build_once(task.changed(control={"gain": "0.000001"}), uncertified=True)
     assert not uncertified.certificate.holds
     assert not {v.name for v in controller_unit(uncertified).variables} & {"period_kept", "period_proved"}
 

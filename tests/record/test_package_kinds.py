@@ -19,7 +19,7 @@ from stt_codegen.plants import plant_of
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.task.load import load_task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 from tests.support.missing_tools import skip_without
 
 MAIN = """#include <stdio.h>
@@ -37,7 +37,7 @@ AVR_CORE = Path("/usr/share/arduino/hardware/arduino/avr")
 
 @cache
 def controller_of_design(design: str = "refined") -> EmittedController:
-    return built(load_task(ROOT / "tasks" / "omni_s2.toml").with_options(design))
+    return build_once(load_task(ROOT / "tasks" / "omni_s2.toml").with_options(design))
 
 
 def run(*command: object, folder: Path) -> str:
@@ -80,7 +80,7 @@ def test_the_arduino_library_and_its_sketch_compile_for_an_uno(name: str, tool, 
     compiler, linker = tool("avr-gcc"), tool("avr-g++")
     if not AVR_CORE.is_dir():
         skip_without("arduino-core-avr is not installed")
-    write_files(tmp_path, package(built(load_task(ROOT / "tasks" / f"{name}.toml")), "arduino"))
+    write_files(tmp_path, package(build_once(load_task(ROOT / "tasks" / f"{name}.toml")), "arduino"))
     library = tmp_path / name
     core, variant = AVR_CORE / "cores" / "arduino", AVR_CORE / "variants" / "standard"
     flags = ["-mmcu=atmega328p", "-DF_CPU=16000000L", "-DARDUINO=10819", "-DARDUINO_AVR_UNO", "-Os", "-ffunction-sections"]
@@ -133,7 +133,7 @@ def test_the_arduino_library_and_its_sketch_compile_for_an_uno(name: str, tool, 
 )
 def test_every_sketch_calls_functions_that_its_header_declares(name: str, changed: dict, tool, tmp_path) -> None:
     """The sketch compiles as C++ against a stub of Arduino's header."""
-    controller = built(load_task(ROOT / "tasks" / f"{name}.toml").changed(**changed))
+    controller = build_once(load_task(ROOT / "tasks" / f"{name}.toml").changed(**changed))
     write_files(tmp_path, package(controller, "arduino"))
     (tmp_path / "Arduino.h").write_text(
         "#include <math.h>\n#include <stdint.h>\n#define LED_BUILTIN 13\n#define OUTPUT 1\n#define HIGH 1\n#define LOW 0\n"
@@ -168,7 +168,7 @@ def test_every_package_has_the_same_sources_and_its_certificate(kind: str, desig
 
 
 def test_platformio_lists_boards_without_a_float_unit_for_integers() -> None:
-    files = package(built(load_task(ROOT / "tasks" / "gantry.toml")), "platformio")
+    files = package(build_once(load_task(ROOT / "tasks" / "gantry.toml")), "platformio")
     boards = configparser.ConfigParser()
     boards.read_string(files["gantry/examples/gantry_loop/platformio.ini"].decode())
     assert [boards[f"env:{name}"]["board"] for name in ("uno", "pico", "c3")] == ["uno", "pico", "esp32-c3-devkitm-1"]
@@ -186,7 +186,7 @@ def test_the_command_writes_a_package_and_refuses_to_record_one(tmp_path) -> Non
 
 @pytest.mark.parametrize("name", ["install", "help", "ALL_BUILD"])
 def test_a_name_that_cmake_has_itself_is_refused(name: str) -> None:
-    controller = built(load_task(ROOT / "tasks" / "omni_s2.toml").changed(name=name))
+    controller = build_once(load_task(ROOT / "tasks" / "omni_s2.toml").changed(name=name))
     with pytest.raises(BadInput, match=f"name: '{name}' is a target of CMake's own"):
         package(controller, "cmake")
     assert package(controller, "plain")

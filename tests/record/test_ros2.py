@@ -23,7 +23,7 @@ from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.record.files import write_files
 from stt_codegen.record.ros2 import message_kinds, ros2_package
 from stt_codegen.task.load import load_task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 TASKS = ROOT / "tasks"
 INSIDE, OUTSIDE, BAD = 0, 1, 2
@@ -39,7 +39,7 @@ def ros_task_controller(name: str, outside: str = "return") -> EmittedController
     task = load_task(TASKS / f"{'base' if name == 'moving' else name}.toml")
     if name == "moving":  # a robot that may move at the start
         task = task.changed(name="moving", initial_set={"speed": Fraction(1, 50)})
-    return built(task if outside == "return" else task.changed(control={"outside": outside}))
+    return build_once(task if outside == "return" else task.changed(control={"outside": outside}))
 
 
 @cache
@@ -272,14 +272,14 @@ def test_the_package_builds_and_calls_the_c(name: str, outside: str, tmp_path, t
     controller = ros_task_controller(name, outside)
     write_files(tmp_path, ros2_package(controller))
     package = f"{name}_ros2"
-    built = subprocess.run(
+    build_result = subprocess.run(
         [sys.executable, "setup.py", "-q", "build_ext", "--inplace"],
         cwd=tmp_path / package,
         capture_output=True,
         text=True,
         check=False,
     )
-    assert built.returncode == 0, built.stderr
+    assert build_result.returncode == 0, build_result.stderr
     for text in (tmp_path / package / package).glob("*.py"):
         compile(text.read_text(), text.name, "exec")
     compile((tmp_path / package / "launch" / f"{name}.launch.py").read_text(), "launch", "exec")
@@ -345,7 +345,7 @@ def test_names_of_axes_choose_the_topics() -> None:
 
 def test_a_package_of_an_adaptive_tube_is_refused_and_the_command_writes_a_refined_one(tmp_path) -> None:
     with pytest.raises(BadInput, match="--package ros2: is for refined tubes"):
-        ros2_package(built(load_task(TASKS / "omni_s2.toml").with_options("adaptive")))
+        ros2_package(build_once(load_task(TASKS / "omni_s2.toml").with_options("adaptive")))
     result = CliRunner().invoke(app, ["generate", str(TASKS / "crawler.toml"), "--package", "ros2", "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     files = {p.relative_to(tmp_path).as_posix(): p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}

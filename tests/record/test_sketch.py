@@ -27,7 +27,7 @@ from stt_codegen.record.package import package
 from stt_codegen.record.sketch import MICROS_RESOLUTION, LoopTimes, loop_times, sketch_notes
 from stt_codegen.record.uno import RELATIVE_ERROR, step_cycles
 from stt_codegen.task.load import load_task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 POLL = 4  # microseconds that a call of the harness's micros() takes
 US = Fraction(1, 10**6)
@@ -100,7 +100,7 @@ class Step:
 def controller_of_variant(variant: str) -> EmittedController:
     name, changed, design = VARIANTS[variant]
     task = load_task(ROOT / "tasks" / f"{name}.toml").changed(**changed)
-    return built(task.with_options(design))
+    return build_once(task.with_options(design))
 
 
 def stubs(controller: EmittedController) -> str:
@@ -335,7 +335,7 @@ def test_differences_are_over_the_time_between_both_samples(drive) -> None:
 
 
 def test_ticks_shorter_than_a_board_can_distinguish_are_refused() -> None:
-    controller = built(load_task(ROOT / "tasks" / "omni_board.toml").changed(emit={"tick_period": "0.000003"}))
+    controller = build_once(load_task(ROOT / "tasks" / "omni_board.toml").changed(emit={"tick_period": "0.000003"}))
     with pytest.raises(
         BadInput, match=r"emit.tick_period: is 3 us; .*: give at least 0.000004 s, or take --package plain or cmake"
     ):
@@ -346,19 +346,19 @@ def test_ticks_shorter_than_a_board_can_distinguish_are_refused() -> None:
 def test_a_note_says_if_an_uno_takes_longer_than_the_period() -> None:
     """The floats of omni_s2 take about 1.05 ms on an Uno: a period of 1 ms is too short, 2 ms are enough."""
     task = load_task(ROOT / "tasks" / "omni_s2.toml")
-    (note,) = sketch_notes(built(task.changed(control={"gain": "auto", "period": "0.001"})))
+    (note,) = sketch_notes(build_once(task.changed(control={"gain": "auto", "period": "0.001"})))
     assert note.startswith(
         "a step takes about 1.05 ms on an Uno (16 MHz; an estimate), and 1 ms is proved (P9): it will be late there"
     )
     assert note.endswith('; emit.scalar = "fixed" takes less than half of that')
-    assert sketch_notes(built(task.changed(control={"gain": "auto", "period": "0.002"}))) == []
+    assert sketch_notes(build_once(task.changed(control={"gain": "auto", "period": "0.002"}))) == []
     assert sketch_notes(controller_of_variant("adaptive")) == []  # it does not fit on an Uno
     assert sketch_notes(controller_of_variant("integers")) == []
 
 
 def test_a_note_says_if_a_period_of_one_tick_leaves_no_margin() -> None:
     task = load_task(ROOT / "tasks" / "gantry.toml")
-    (note,) = sketch_notes(built(task.changed(emit={"tick_period": "0.01"})))
+    (note,) = sketch_notes(build_once(task.changed(emit={"tick_period": "0.01"})))
     assert note == (
         "the sketch samples every 10 ms, and 10 ms is proved (P9): a sample that is microseconds late sets `late`; "
         "state a control.period of two ticks"
@@ -383,7 +383,7 @@ def test_the_estimate_of_an_unos_cycles_is_near_the_simulated_count(name: str, s
         tool(program)
     from benchmarks.sketch_time import largest_cycles
 
-    controller = built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(scalar=scalar))
+    controller = build_once(load_task(ROOT / "tasks" / f"{name}.toml").with_options(scalar=scalar))
     estimate = step_cycles(controller)
     assert estimate is not None
     assert abs(Fraction(estimate, largest_cycles(controller, 12)) - 1) <= RELATIVE_ERROR

@@ -11,7 +11,7 @@ from stt_codegen.report.figures.design_figures import design_report
 from stt_codegen.report.page.evidence import evidence
 from stt_codegen.report.page.page import page
 from stt_codegen.task.load import parse_task
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 from tests.support.pages import KINDS, OpenPage, controller_of_kind
 
 pytestmark = pytest.mark.xdist_group("page")  # a worker starts one browser and builds every page once
@@ -117,7 +117,7 @@ def test_a_row_of_the_certificate_leads_to_its_time(open_page: Any) -> None:
 def test_with_many_sets_only_the_name_under_the_pointer_is_shown(browser: Any, tmp_path: Path) -> None:
     """A picture shows up to forty names; with more sets it shows only the name of the set under the pointer."""
     boxes = [f'{{ name = "B{k}", lower = [{0.2 * k:.1f}, 5], upper = [{0.2 * k + 0.1:.1f}, 6] }}' for k in range(42)]
-    controller = built(parse_task(HALL + f"unsafe = [{', '.join(boxes)}]\n"))
+    controller = build_once(parse_task(HALL + f"unsafe = [{', '.join(boxes)}]\n"))
     path = tmp_path / "page.html"
     path.write_bytes(page(controller, design_report(controller, 0.0), evidence(controller)))
     with OpenPage(browser, path) as opened_page:

@@ -32,7 +32,7 @@ from stt_codegen.sampling.periods import holds, inputs_where_proved, longest_pro
 from stt_codegen.sampling.sampled_loop import SampledLoop
 from stt_codegen.sampling.sampling_conditions import SAMPLING_CONDITIONS
 from stt_codegen.task.task import Task
-from tests.support.controllers import ROOT, built, controller_of
+from tests.support.controllers import ROOT, build_once, controller_of
 
 LIMITED = {"u_max": "1.3", "gain": "0.05"}
 CASES: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
@@ -203,7 +203,7 @@ def test_a_proved_period_is_in_header_certificate_and_sources(tmp_path: Path) ->
     for text in (header, controller.files["trolley.py"].decode(), controller.files["trolley.c"].decode()):
         assert "(P9)" in text
         assert "|e(0)| <= 0.9" in text.replace("\n * ", " ").replace("\n# ", " ")
-    with_longer_period = built(
+    with_longer_period = build_once(
         controller.task.changed(control={**dict(controller.task.control), "period": Fraction("0.02") + finding.margin})
     )
     assert with_longer_period.certificate.holds  # the margin is how much longer the period may be
@@ -214,9 +214,9 @@ def test_the_example_sketch_samples_faster_than_is_proved() -> None:
 
     It samples a tenth faster, so that a sample may come late."""
     task = controller_of("omni_s2").task
-    times = loop_times(built(task.changed(control={"gain": "auto", "period": "0.002"})))
+    times = loop_times(build_once(task.changed(control={"gain": "auto", "period": "0.002"})))
     assert (times.longest, times.period) == (Fraction(1, 500), Fraction(9, 5000))
-    late = built(task.changed(control={"gain": "0.2", "latency": "0.0004"}))
+    late = build_once(task.changed(control={"gain": "0.2", "latency": "0.0004"}))
     longest = loop_times(late).longest
     assert longest is not None
     assert loop_times(late).period <= Fraction(9, 10) * longest
@@ -228,8 +228,8 @@ def test_the_example_sketch_samples_faster_than_is_proved() -> None:
 def test_plant_bounds_without_a_period_change_no_emitted_number() -> None:
     """Plant bounds change only the task's digest; noise changes only the covered starts, too."""
     plain = controller_of("omni_s2")
-    bounded = built(plain.task.changed(plant={"w_max": "0.1", "g_cross": "0.1"}))
-    noisy = built(plain.task.changed(plant={"w_max": "0.1", "g_cross": "0.1", "noise": "0.001"}))
+    bounded = build_once(plain.task.changed(plant={"w_max": "0.1", "g_cross": "0.1"}))
+    noisy = build_once(plain.task.changed(plant={"w_max": "0.1", "g_cross": "0.1", "noise": "0.001"}))
     digest = re.compile(r"[0-9a-f]{16}")
     start_bounds = re.compile(r"(start_(?:lower|upper)\b[^={}()]*= [{(])[^})]*", re.IGNORECASE)
     for name in ("omni_s2.c", "omni_s2.h", "omni_s2.py"):
@@ -242,14 +242,14 @@ def test_plant_bounds_without_a_period_change_no_emitted_number() -> None:
 
 def test_a_component_that_nothing_moves_gets_a_gain_too() -> None:
     """The third edges of omni_heading stand still, and xdot = u has no disturbance: any positive gain would do."""
-    controller = built(controller_of("omni_heading").task.changed(control={"gain": "auto", "period": "0.001"}))
+    controller = build_once(controller_of("omni_heading").task.changed(control={"gain": "auto", "period": "0.001"}))
     assert controller.certificate.holds
     assert all(k > 0 for k in controller.task.gain)
 
 
 def test_a_chosen_gain_is_proved_and_no_other_has_a_clearly_smaller_bound_on_eps() -> None:
     task = with_period("omni_s2", {"gain": "auto"}, {"w_max": "0.1"}, "0.005")
-    controller = built(task)
+    controller = build_once(task)
     assert controller.certificate.holds
     assert controller.task.digest == task.digest
     setting = loop_of(controller.task, controller.design, edge_error(controller.design, controller.program))
@@ -285,7 +285,7 @@ def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant:
     """Every alternative of the message is put into the task."""
     task = controller_of("omni_s2").task.changed(control=control, plant=plant)
     with pytest.raises(stt.NotCertified, match=r"period \(P9\)") as refusal:
-        built(task)
+        build_once(task)
     remedies = str(refusal.value).partition("use ")[2].partition(" (or --uncertified")[0]
     tried_count = 0
     for option in remedies.split(", or "):
@@ -295,7 +295,7 @@ def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant:
             advised = dict(re.findall(r"control\.(\w+) = (\[[^\]]*\]|[\d.e+-]+)", option))
             advised["gain"] = re.findall(r"gain (\[[^\]]*\]|[\d.e+-]+)", option)[0]
             changed = {**control, **{k: v.strip("[]").split(", ") if "[" in v else v for k, v in advised.items()}}
-        assert built(task.changed(control=changed)).certificate.holds, option
+        assert build_once(task.changed(control=changed)).certificate.holds, option
         tried_count += 1
     assert tried_count
 
@@ -304,15 +304,15 @@ def test_the_board_at_a_slower_tick_is_refused_with_a_remedy_that_works() -> Non
     """Gain 0.5 at four times the tick of tasks/omni_board.toml is enough from initial_state, and not from the whole start share."""
     task = controller_of("omni_board").task
     with pytest.raises(stt.NotCertified, match=r'fails by 0\.000.*use control.gain = "auto"'):
-        built(task.changed(control={"gain": "0.5", "period": 4 * task.emit.tick_period}))
-    assert built(task.changed(control={"gain": "auto", "period": 4 * task.emit.tick_period})).certificate.holds
-    assert built(task.changed(control={"gain": "0.5", "period": task.emit.tick_period})).certificate.holds
+        build_once(task.changed(control={"gain": "0.5", "period": 4 * task.emit.tick_period}))
+    assert build_once(task.changed(control={"gain": "auto", "period": 4 * task.emit.tick_period})).certificate.holds
+    assert build_once(task.changed(control={"gain": "0.5", "period": task.emit.tick_period})).certificate.holds
 
 
 def test_an_initial_state_outside_the_share_is_refused() -> None:
     task = controller_of("omni_s2").task.changed(initial_state=("0.499", "0.25"), control={"period": "0.001"})
     with pytest.raises(stt.NotCertified, match=r"period \(P9\) at t = 0 s, dimension 1: fails by 0\.024"):
-        built(task)
+        build_once(task)
 
 
 @pytest.mark.parametrize(
@@ -338,11 +338,11 @@ def test_inconsistent_options_of_sampling_are_refused(values: dict[str, Any], me
 @pytest.mark.parametrize("design", ["adaptive", "literal"])
 def test_a_period_is_for_refined_tubes(design: str) -> None:
     with pytest.raises(stt.BadInput, match="control.period"):
-        built(controller_of("omni_s1").task.changed(tube={"design": design}, control={"period": "0.001"}))
+        build_once(controller_of("omni_s1").task.changed(tube={"design": design}, control={"period": "0.001"}))
 
 
 def test_uncertified_files_name_the_failed_period(tmp_path: Path) -> None:
-    controller = built(controller_of("omni_s2").task.changed(control={"gain": "0.5", "period": "0.01"}), uncertified=True)
+    controller = build_once(controller_of("omni_s2").task.changed(control={"gain": "0.5", "period": "0.01"}), uncertified=True)
     assert not controller.certificate.holds
     assert "PERIOD_PROVED" not in controller.files["omni_s2.h"].decode()
     assert "P9 period" in controller.files["omni_s2.h"].decode()
@@ -358,7 +358,7 @@ def test_the_trolley_keeps_the_proved_bounds_with_every_worst_plant(period: str 
     if period:
         (finding,) = (f for f in controller.certificate.findings if f.code == "P9")
         longest = controller.task.control.period + finding.margin
-        controller = built(
+        controller = build_once(
             controller.task.changed(control={**dict(controller.task.control), "gain": controller.task.gain, "period": longest})
         )
     sampled = controller.certificate.proved_period
@@ -390,7 +390,7 @@ def test_the_worst_plants_have_the_sign_of_the_gain(tool: Any) -> None:
     task = controller_of("omni_s2").task.changed(
         control={"gain": "-0.2", "period": "0.001"}, plant={"g_min": "0.9", "g_max": "1.1"}
     )
-    controller = built(task)
+    controller = build_once(task)
     assert "-g_ii" in next(f.statement for f in controller.certificate.findings if f.code == "P9")
     for model in corner_plants(task):
         assert Loop(controller, model).run(Scenario(rate=1000.0)).kept
@@ -444,7 +444,7 @@ def test_in_other_units_periods_and_gains_are_the_same(length: str, time: str) -
         tube={"clearance": task.tube.clearance * length_factor, "min_width": task.tube.min_width * length_factor},
         control={"gain": task.gain[0] * length_factor**2 / time_factor},
     )
-    analysis, scaled_analysis = (Analysis(built(t)) for t in (task, scaled_task))
+    analysis, scaled_analysis = (Analysis(build_once(t)) for t in (task, scaled_task))
     assert analysis.period is not None
     assert scaled_analysis.period is not None
     assert analysis.gains.longest is not None

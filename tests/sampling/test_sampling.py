@@ -31,7 +31,7 @@ from stt_codegen.sampling.plant import bounds_of_task
 from stt_codegen.sampling.sampled_loop import SampledLoop, first_order_loop, in_balls, law_of, start_bound_of_state
 from stt_codegen.sampling.sampling_conditions import SAMPLING_CONDITIONS, input_bound, input_per_gain, q
 from stt_codegen.sampling.windows import refined_windows
-from tests.support.controllers import ROOT, built, controller_of
+from tests.support.controllers import ROOT, build_once, controller_of
 
 
 def loop_of_task(name: str = "omni_s2", gain: float = 0.5, noise: float = 0.0) -> SampledLoop:
@@ -262,7 +262,7 @@ def test_for_a_gain_that_is_too_small_another_one_is_proposed(tmp_path: Path) ->
 
 def build_with_gain(task: Any, gain: str) -> Any:
     """Return the task's controller with this gain."""
-    return built(task.model_copy(update={"control": task.control.model_copy(update={"gain": Fraction(gain)})}))
+    return build_once(task.model_copy(update={"control": task.control.model_copy(update={"gain": Fraction(gain)})}))
 
 
 def test_a_negative_gain_needs_a_negative_plant() -> None:
@@ -307,9 +307,9 @@ def test_eps_at_the_start_is_computed_from_the_tube_at_0(share: float) -> None:
 
 def test_for_a_start_near_an_edge_nothing_is_proved() -> None:
     task = controller_of("omni_s2").task.model_copy(update={"initial_state": (Fraction("0.498"),) * 2})
-    analysis = Analysis(built(task))
+    analysis = Analysis(build_once(task))
     assert analysis.from_initial_state is None
-    assert Analysis(built(task), start=[0.498, 0.498]).period is None
+    assert Analysis(build_once(task), start=[0.498, 0.498]).period is None
 
 
 @pytest.mark.parametrize(("noise", "latency"), [(0.6, 1e-5), (10.0, 0.0)])

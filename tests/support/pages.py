@@ -17,7 +17,7 @@ from stt_codegen.report.figures.design_figures import design_report
 from stt_codegen.report.page.evidence import Evidence, evidence
 from stt_codegen.report.page.page import page
 from stt_codegen.task import load_task, parse_task
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 from tests.support.missing_tools import skip_without
 
 ROOT = Path(__file__).parents[2]
@@ -49,15 +49,15 @@ HOLD = (ROOT / "tasks" / "omni_s2.toml").read_text().replace("[control]\n", '[co
 def controller_of_kind(kind: str) -> EmittedController:
     """Return the controller whose page is tested: a kind of `KINDS`, or "moving", "hold", "stop" or "double"."""
     if kind == "moving":
-        return built(parse_task(MOVING))
+        return build_once(parse_task(MOVING))
     if kind == "hold":
-        return built(parse_task(HOLD))
+        return build_once(parse_task(HOLD))
     if kind == "stop":
-        return built(parse_task(STOP))
+        return build_once(parse_task(STOP))
     if kind == "double":
-        return built(load_task(ROOT / "tasks" / "omni_s2.toml").with_options(scalar="double"))
+        return build_once(load_task(ROOT / "tasks" / "omni_s2.toml").with_options(scalar="double"))
     name, design = KINDS[kind]
-    return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design), uncertified=design == "literal")
+    return build_once(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design), uncertified=design == "literal")
 
 
 @cache

@@ -19,7 +19,7 @@ from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.report.pictures.tube_pictures import figure_of, plane_named, planes_of
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.task import Task
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 HEADING = ROOT / "tasks" / "omni_heading.toml"
 NAMES = {"axes": ["x", "y", "heading"], "units": ["m", "m", "rad"]}
@@ -27,11 +27,11 @@ NAMES = {"axes": ["x", "y", "heading"], "units": ["m", "m", "rad"]}
 
 @pytest.fixture(scope="module")
 def named_controller() -> EmittedController:
-    return built(load_task(HEADING).changed(**NAMES))
+    return build_once(load_task(HEADING).changed(**NAMES))
 
 
 def test_names_change_comments_and_the_digest_alone(named_controller: EmittedController, tmp_path: Path) -> None:
-    plain_controller = built(load_task(HEADING))
+    plain_controller = build_once(load_task(HEADING))
     assert named_controller.design == plain_controller.design
     for name in ("omni_heading.h", "omni_heading.c"):
         named_lines, plain_lines = (c.files[name].decode().splitlines() for c in (named_controller, plain_controller))
@@ -53,7 +53,7 @@ def test_messages_name_the_axis(named_controller: EmittedController) -> None:
     with pytest.raises(NotCertified, match="axis x, |axis x:|axis x;"):
         build_task(named_controller.task, tube=tube_with_jump)
     with pytest.raises(NotCertified, match="wide in axis heading"):
-        built(named_controller.task.changed(initial_set={"lower": [0, 0, -0.02], "upper": [0.5, 0.5, 0.02]}))
+        build_once(named_controller.task.changed(initial_set={"lower": [0, 0, -0.02], "upper": [0.5, 0.5, 0.02]}))
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_every_dimension_is_in_a_plane_and_on_an_axis(n: int) -> None:
     planes = planes_of(task)
     assert {i for plane in planes for i in plane} == (set(range(n)) if n > 3 else {0, 1})
     assert all(a != b for a, b in planes)
-    figure = figure_of(built(task))
+    figure = figure_of(build_once(task))
     labels = [plot.get_xlabel() for plot in figure.axes] + [plot.get_ylabel() for plot in figure.axes]
     assert {f"joint {i + 1} [rad]" for i in range(n)} <= set(labels)
     plots_over_time = figure.axes[len(planes) :]
@@ -111,7 +111,7 @@ def test_every_dimension_is_in_a_plane_and_on_an_axis(n: int) -> None:
 
 @pytest.mark.parametrize("n", [2, 6])
 def test_labels_are_inside_their_plot_and_do_not_overlap(n: int) -> None:
-    figure = figure_of(built(joint_space_task(n)))
+    figure = figure_of(build_once(joint_space_task(n)))
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     renderer = canvas.get_renderer()
@@ -126,13 +126,13 @@ def test_labels_are_inside_their_plot_and_do_not_overlap(n: int) -> None:
 
 def test_many_sets_are_drawn_without_names() -> None:
     unsafe = [{"lower": [0.02 * k, 4.5], "upper": [0.02 * k + 0.01, 4.6]} for k in range(200)]
-    figure = figure_of(built(load_task(ROOT / "tasks" / "empty.toml").changed(unsafe=unsafe)))
+    figure = figure_of(build_once(load_task(ROOT / "tasks" / "empty.toml").changed(unsafe=unsafe)))
     assert {text.get_text() for _, text in labels_with_plots(figure)} == {"start", "target"}
 
 
 def test_the_tube_in_the_plane_has_no_gaps() -> None:
     """The tube moves fast: each patch of the tube still shares a box with the next one."""
-    figure = figure_of(built(load_task(ROOT / "tasks" / "empty.toml")))
+    figure = figure_of(build_once(load_task(ROOT / "tasks" / "empty.toml")))
     patches = [p.get_xy() for p in figure.axes[0].patches if p.get_alpha() == 0.28]  # the opacity of the tube
     assert len(patches) > 40
     for patch, next_patch in itertools.pairwise(patches):

@@ -43,7 +43,7 @@ from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.task import Task
 from stt_codegen.theorem.text import theorem_text
 from tests.support.command_line import run_command
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 
 TURN = "6.283185307179586"
 TURNER = """name = "turner"
@@ -91,7 +91,7 @@ def with_period(text: str, value: str) -> str:
 
 @cache
 def turner_controller(text: str = TURNER) -> EmittedController:
-    return built(parse_task(text))
+    return build_once(parse_task(text))
 
 
 def checker_exit_code(controller: EmittedController, text: str, folder: Path) -> int:
@@ -322,7 +322,7 @@ def random_task_fields(seed: int, digits: int) -> dict[str, Any]:
 def test_wrapped_states_of_the_tube_avoid_all_sets_and_end_in_the_target(seed: int, digits: int) -> None:
     """States all over the certified tube, wrapped by the true 2 pi. 1e-9: doubles of angles below 30 and their remainders."""
     fields = random_task_fields(seed, digits)
-    controller = built(Task(**fields))
+    controller = build_once(Task(**fields))
     assert controller.certificate.holds
     t, dice = np.linspace(0, 8, 400), np.random.default_rng(seed)
     low, high = controller.design.edges_at(t)
@@ -377,7 +377,7 @@ def test_package_and_checker_move_a_target_of_any_shape_to_its_turn(kind: str, p
         "ball": "centre = [4.3, -2.6]\nradius = 0.35",
     }
     text = with_period(TURNER, period).replace("lower = [4.0, -2.9]\nupper = [4.7, -2.4]", shapes[kind]).partition("[control]")[0]
-    controller = built(parse_task(text))
+    controller = build_once(parse_task(text))
     turns_up = controller.task.closed_axes[0].target_turns
     assert turns_up == 3
     assert checker_exit_code(controller, text, tmp_path) == 0
@@ -449,7 +449,7 @@ def test_patrols_and_order_two_take_closed_axes(text: str, code: str, file: str,
 
 @pytest.mark.parametrize("design", ["adaptive"])
 def test_a_paper_tube_takes_closed_axes(design: str) -> None:
-    controller = built(Task(**box_task(tube={"design": design}, unsafe=[{"lower": [1, -3.1], "upper": [1.5, -2.7]}])))
+    controller = build_once(Task(**box_task(tube={"design": design}, unsafe=[{"lower": [1, -3.1], "upper": [1.5, -2.7]}])))
     assert controller.certificate.holds
     assert controller.task.closed_axes[0].target_turns == 1
     assert "arm_unwrap.c" in controller.files
@@ -491,7 +491,7 @@ def test_unwrapping_is_exact_to_the_error_that_the_noise_includes(scalar: str, v
     anywhere within the largest step. Unwrapping returns the true state to within `unwrap_error`."""
     tool("gcc")
     task = parse_task(with_period(TURNER, value)).with_options(scalar=scalar)
-    controller = built(task)
+    controller = build_once(task)
     unwrap, _ = compiled(controller, tmp_path)
     python = load_module("turner", controller.files["turner.py"])
     (axis,) = controller.task.closed_axes
@@ -547,7 +547,7 @@ def test_a_loop_with_wrapped_measurements_follows_the_loop_with_true_states(tmp_
 
 def test_the_rust_unwraps_as_the_python_does(tmp_path: Path, tool: Any) -> None:
     rustc = tool("rustc")
-    controller = built(parse_task(TURNER).with_options(scalar="double", language="rust"))
+    controller = build_once(parse_task(TURNER).with_options(scalar="double", language="rust"))
     python = load_module("turner", controller.files["turner.py"])
     (tmp_path / "turner.rs").write_bytes(controller.files["turner.rs"])
     pairs = [(15.5 + 0.37 * k, -6.0 + 0.3 * k) for k in range(40)] + [(0.0, 1e30)]
@@ -733,7 +733,7 @@ def test_a_sampling_period_in_which_a_turn_may_be_lost_is_refused(monkeypatch: A
 def test_design_and_generate_say_on_which_turn_the_target_is(tmp_path: Path) -> None:
     (tmp_path / "turner.toml").write_text(TURNER.partition("[control]")[0])
     note = "axis yaw closes at 6.283 rad: the target is taken at 16.199 (3 turns up)"
-    report = design_report(built(stt.load(tmp_path / "turner.toml")), 0.0)
+    report = design_report(build_once(stt.load(tmp_path / "turner.toml")), 0.0)
     assert any(note in line for line in report.document()["notes"])
     with redirect_stdout(io.StringIO()) as output:
         show_design(report)

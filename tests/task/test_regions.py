@@ -24,7 +24,7 @@ from stt_codegen.task.load import parse_task
 from stt_codegen.task.sets.polytopes import cut_box
 from stt_codegen.task.sets.round_sets import FAN_CORNER_DISTANCES, inscribed
 from stt_codegen.task.task import Task
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 from tests.task.test_shapes import checker_exit_code
 
 ROOM_TASK = """name = "room"
@@ -114,20 +114,20 @@ def distance_outside(task: Task, region, low: np.ndarray, high: np.ndarray, body
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_tube_in_polytopes_is_designed_certified_checked_and_drawn(name: str, tmp_path: Path) -> None:
     task = parse_task(TEXTS[name])
-    controller = built(task)
+    controller = build_once(task)
     assert controller.certificate.holds
     assert checker_exit_code(TEXTS[name], controller.files, tmp_path) == 0
     low, high = controller.design.edges_at(np.linspace(0, 9, 901))
     assert distance_outside(task, task.state_space, low, high, body=True) <= 1e-12
     assert distance_outside(task, task.target_set, low[-1:], high[-1:], body=False) <= 1e-12
     task_in_box = task.changed(state_space={"vertices": None, "normals": None, "offsets": None, "axes": None})
-    assert cost_of(controller.program, "control") == cost_of(built(task_in_box).program, "control")
+    assert cost_of(controller.program, "control") == cost_of(build_once(task_in_box).program, "control")
     draw(controller, tmp_path / "drawn.png")
 
 
 @pytest.mark.parametrize("region", ["state_space", "target_set"])
 def test_a_face_moved_inward_is_refused_once_the_tube_is_outside(region: str, tmp_path: Path) -> None:
-    controller = built(parse_task(TEXTS["room"]))
+    controller = build_once(parse_task(TEXTS["room"]))
     low, high = controller.design.edges_at(np.linspace(0, 9, 8 * controller.design.segments + 1))
     verdicts = []
     for k in range(12):
@@ -165,7 +165,7 @@ def test_the_polytope_in_a_ball_lies_within_it_and_nearly_fills_it() -> None:
 
 
 def test_a_shrunk_target_ball_is_refused_once_the_tube_ends_outside(tmp_path: Path) -> None:
-    controller = built(parse_task(TEXTS["sphere"]))
+    controller = build_once(parse_task(TEXTS["sphere"]))
     low, high = controller.design.edges_at(np.array([9.0]))
     verdicts = []
     for k in range(8):
@@ -182,7 +182,7 @@ def test_a_shrunk_target_ball_is_refused_once_the_tube_ends_outside(tmp_path: Pa
 
 
 def test_the_loop_judges_by_the_true_room() -> None:
-    loop = Loop(built(parse_task(TEXTS["room"])), PLANTS["integrator"])
+    loop = Loop(build_once(parse_task(TEXTS["room"])), PLANTS["integrator"])
     assert loop.run(Scenario(rate=500.0)).good
     corner = loop.run(Scenario(start=(4.5, 1.2)))  # in the bounding box, behind the slanted wall
     assert corner.left_at == 0
@@ -220,7 +220,7 @@ def test_the_end_box_of_a_route_lies_in_the_target_and_is_the_largest_of_its_pro
 
 def test_a_target_too_narrow_for_a_tube_is_refused() -> None:
     with pytest.raises(NotCertified, match="a way opens at tube.min_width = 0.02"):
-        built(parse_task(TEXTS["room"].replace("offsets = [-8.8, 9.5]", "offsets = [-8.8, 8.85]")))
+        build_once(parse_task(TEXTS["room"].replace("offsets = [-8.8, 9.5]", "offsets = [-8.8, 8.85]")))
 
 
 @pytest.mark.parametrize(

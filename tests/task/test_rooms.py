@@ -31,7 +31,7 @@ from stt_codegen.task.map.floor_plans import partition
 from stt_codegen.task.map.polygons import convex_pieces
 from stt_codegen.task.task import Task
 from tests.support.command_line import run_command
-from tests.support.controllers import ROOT, built
+from tests.support.controllers import ROOT, build_once
 from tests.task.test_maps import FREE, OCCUPIED, YAML, save_map
 
 CORNERS = "[[0, 0], [4, 0], [4, 2], [2, 2], [2, 4], [0, 4]]"
@@ -119,7 +119,7 @@ def test_the_outline_of_an_ell_is_certified_and_checked_and_its_tube_is_in_it(tm
         "state_space: the outline is a box less 1 convex unsafe set, wall1, an exact partition",
     )
     assert task_notes(expanded) == ()
-    assert controller.files == built(Task(**DATA)).files
+    assert controller.files == build_once(Task(**DATA)).files
 
 
 def test_design_and_generate_print_the_number_of_sets_of_an_outline(tmp_path: Path) -> None:
@@ -144,7 +144,7 @@ def test_python_tables_arrays_and_changed_give_the_same_task() -> None:
 
 def test_a_room_on_two_of_three_axes_with_a_body_is_certified(tmp_path: Path) -> None:
     """The axes of the outline are the third and the first. Walls grow by the body, and the state space shrinks."""
-    controller = built(parse_task(SOLID))
+    controller = build_once(parse_task(SOLID))
     assert controller.task.state_space.lower == (0, -1, 0)
     assert controller.certificate.holds
     body = [Fraction("0.1"), Fraction(0), Fraction("0.05")]
@@ -197,13 +197,13 @@ def test_a_box_beside_the_outline_cuts_the_room_and_drops_walls_beyond_it() -> N
 def test_the_room_of_the_documents_is_certified() -> None:
     text = (ROOT / "docs" / "task.md").read_text()
     example = text.partition("## Concave rooms")[2].split("```")[1].removeprefix("toml\n")
-    assert built(parse_task(example)).certificate.holds
+    assert build_once(parse_task(example)).certificate.holds
     assert [s.name for s in parse_task(example).unsafe] == ["wall1", "wall2"]
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_package_contains_the_expanded_task_for_the_checker(kind: str) -> None:
-    files = package(built(parse_task(ELL.replace("[tube]", "[emit]\nrust = true\n[tube]"))), kind)
+    files = package(build_once(parse_task(ELL.replace("[tube]", "[emit]\nrust = true\n[tube]"))), kind)
     units = [zipfile.ZipFile(io.BytesIO(data)).namelist() for path, data in files.items() if path.endswith(".fmu")]
     assert all(any(name.endswith("ell.task.toml") for name in names) for names in units or [list(files)])
 

@@ -33,7 +33,7 @@ from stt_codegen.task.load import parse_task
 from stt_codegen.task.sets.convex_sets import BoxSet, ConvexSet, Normal, Vector, axis_normals, minimum_over_box
 from stt_codegen.task.sets.shapes import Unsafe, UnsafeSet
 from stt_codegen.task.task import Task
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 
 Points = list[tuple[Fraction, Fraction]]
 
@@ -106,7 +106,7 @@ CORRIDOR = with_sets(RIGHT, LEFT)
 
 @pytest.fixture(scope="module")
 def controller():
-    return built(CORRIDOR)
+    return build_once(CORRIDOR)
 
 
 # ------------------------------------------------------------------------------------------------------------- the shapes
@@ -249,7 +249,7 @@ def test_route_obstacles_agree_with_exact_inclusion_and_visibility(
 def test_a_corridor_between_the_true_shapes_is_certified_and_closed_by_their_boxes(controller) -> None:
     assert controller.certificate.holds
     with pytest.raises(NotCertified):
-        built(
+        build_once(
             with_sets(
                 *(
                     UnsafeSet(name=t.name, lower=[v[0] for v in s], upper=[v[1] for v in s])
@@ -315,7 +315,7 @@ def test_disturbance_toward_the_nearest_set_is_along_its_normal(controller) -> N
 
 
 def test_unsafe_sets_do_not_add_to_the_cost_of_a_step(controller) -> None:
-    assert cost_of(controller.program, "control") == cost_of(built(parse_task(PLAIN)).program, "control")
+    assert cost_of(controller.program, "control") == cost_of(build_once(parse_task(PLAIN)).program, "control")
 
 
 def test_the_tube_of_a_robot_with_a_body_avoids_the_grown_triangles(controller) -> None:
@@ -328,7 +328,7 @@ def test_the_tube_of_a_robot_with_a_body_avoids_the_grown_triangles(controller) 
         RIGHT, LEFT, body=body, initial_set=start, target_set=target, initial_state=(Fraction("0.35"), Fraction("0.3"))
     )
     assert first_problem(task) is None
-    certified = built(task)
+    certified = build_once(task)
     assert certified.certificate.holds
     low, high = certified.design.edges_at(np.linspace(0, 9, 500))
     for a, b in zip(low.tolist(), high.tolist(), strict=True):

@@ -36,7 +36,7 @@ from stt_codegen.task.sets.polytopes import Hull, Polytope, affine_dimension, cu
 from stt_codegen.task.sets.round_sets import RoundSet, fan, size
 from stt_codegen.task.sets.shapes import Unsafe, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet
 from stt_codegen.task.task import Task
-from tests.support.controllers import built
+from tests.support.controllers import build_once
 from tests.task.test_sets import PLAIN, Points, clipped, hull
 
 SPACE = """name = "space"
@@ -156,21 +156,21 @@ def gap(task: Task, unsafe: Unsafe, lower: np.ndarray, upper: np.ndarray) -> flo
 def test_every_shape_is_avoided_proved_checked_and_drawn(name: str, body: bool, tmp_path: Path) -> None:
     text = text_of(name, body)
     task = parse_task(text)
-    controller = built(task)
+    controller = build_once(task)
     assert controller.certificate.holds
     assert checker_exit_code(text, controller.files, tmp_path) == 0
     clearance = float(task.tube.clearance)
     low, high = controller.design.edges_at(np.linspace(0, 9, 301))
     assert min(smallest_gap(task, s, low, high) for s in task.unsafe) > clearance - 1e-7  # the tolerance of the oracle's solver
     task_without_sets = parse_task(text.split("\n[[unsafe]]", maxsplit=1)[0])
-    assert cost_of(controller.program, "control") == cost_of(built(task_without_sets).program, "control")
+    assert cost_of(controller.program, "control") == cost_of(build_once(task_without_sets).program, "control")
     draw(controller, tmp_path / "drawn.png")
     assert (tmp_path / "drawn.png").stat().st_size > 5000
 
 
 def test_a_strip_from_wall_to_wall_closes_the_way() -> None:
     with pytest.raises(SttError, match="strip"):
-        built(parse_task(text_of("one axis")))
+        build_once(parse_task(text_of("one axis")))
 
 
 MOVES = {
@@ -189,7 +189,7 @@ def test_certificate_and_checker_refuse_a_set_moved_nearer_where_the_oracle_does
     """For one tube the first set is moved step by step. Certificate and checker agree, the verdict changes once, and it is the oracle's,
     except for an allowance for rounding and for normals that are not tried."""
     head, tables = SHAPES[name]
-    controller = built(parse_task(text_of(name)))
+    controller = build_once(parse_task(text_of(name)))
     low, high = controller.design.edges_at(np.linspace(0, 9, 8 * controller.design.segments + 1))
     fields = {k: v for line in tables[0].splitlines() for k, v in [line.split(" = ", 1)]}
     values = {k: eval(v) for k, v in fields.items()}  # lists and numbers that this file states
@@ -235,7 +235,7 @@ def test_the_checker_refuses_a_region_of_any_form_that_the_tube_never_meets(
 ) -> None:
     """The files are of a tube that visits a box, and the task has another region. The digest agrees, so that it cannot be the reason."""
     assert {*REGIONS, *UNVISITED} == set(checker.FORMS)
-    controller = built(parse_task(mission_in("lower = [2, 2]\nupper = [3, 3]")))
+    controller = build_once(parse_task(mission_in("lower = [2, 2]\nupper = [3, 3]")))
     load = checker.Task.__init__
 
     def load_with_digest(task: checker.Task, data: bytes) -> None:
@@ -276,7 +276,7 @@ def test_arenas_of_polygons_discs_and_capsules_are_certified_and_the_checker_agr
             )
         text = FLAT + "".join(f"\n[[unsafe]]\n{t}\n" for t in sets)
         try:
-            controller = built(parse_task(text))
+            controller = build_once(parse_task(text))
         except SttError as refusal:
             assert str(refusal)
             continue
@@ -289,14 +289,14 @@ def test_arenas_of_polygons_discs_and_capsules_are_certified_and_the_checker_agr
 
 def test_the_loop_judges_by_the_true_shape() -> None:
     """Points are in the ball, in its growth by the body, and just outside of both but within every tangent plane that is tried."""
-    controller = built(parse_task(text_of("disc", body=True)))
+    controller = build_once(parse_task(text_of("disc", body=True)))
     loop = Loop(controller, PLANTS["integrator"])
     corner = np.array([2.5 + 0.1, 2.4 + 0.05])  # of the body's box about the centre; the grown disc has its arc about it
     angle = math.radians(67.5 / 4)  # between two normals of the fan
     for scale, is_hit in ((0.999, True), (1.001, False)):
         start = corner + 1.2 * scale * np.array([math.cos(angle), math.sin(angle)])
         assert starts_in_collision(loop, start) == is_hit
-    rod_loop = Loop(built(parse_task(text_of("slanted rod"))), PLANTS["integrator"])
+    rod_loop = Loop(build_once(parse_task(text_of("slanted rod"))), PLANTS["integrator"])
     middle = np.array([2, 2, 2.5])
     across = np.cross([2, -2, 3], [0.0, 0, 1])
     for scale, is_hit in ((0.999, True), (1.001, False)):
@@ -310,7 +310,7 @@ def starts_in_collision(loop: Loop, start: np.ndarray) -> bool:
 
 
 def test_disturbance_toward_a_ball_is_toward_its_centre() -> None:
-    run = Loop(built(parse_task(text_of("ball"))), PLANTS["integrator"]).run(
+    run = Loop(build_once(parse_task(text_of("ball"))), PLANTS["integrator"]).run(
         Scenario(disturbance="nearest", strength=0.1, start=(0.9, 1.3, 1.1)), trace=True
     )
     direction = np.array([2.5, 2.5, 2.4]) - [0.9, 1.3, 1.1]
@@ -662,7 +662,7 @@ def test_a_refusal_between_round_sets_says_only_that_no_way_was_found() -> None:
     )
     text = text.replace("lower = [4.5, 4.5], upper = [5, 5]", "lower = [4.8, 2.4], upper = [5, 2.6]")
     with pytest.raises(SttError, match="no way was found"):
-        built(parse_task(text + sets + walls))
+        build_once(parse_task(text + sets + walls))
 
 
 def test_a_corner_near_a_grown_ball_is_judged_by_the_ball() -> None:
