@@ -30,34 +30,34 @@ class LoopSetting(ctypes.Structure):
         ("sets", ctypes.c_int32),
         ("order", ctypes.c_int32),
         ("samples", ctypes.c_int32),
-        ("parts", ctypes.c_int32),
-        ("kind", ctypes.c_int32),
-        ("lost", ctypes.c_int32),
-        ("constant", ctypes.c_int32),
+        ("integration_steps", ctypes.c_int32),
+        ("disturbance_kind", ctypes.c_int32),
+        ("max_lost_samples", ctypes.c_int32),
+        ("has_constant_dynamics", ctypes.c_int32),
         ("seed", ctypes.c_uint64),
         ("period", ctypes.c_double),
         ("end", ctypes.c_double),
-        ("strength", ctypes.c_double),
+        ("w_max", ctypes.c_double),
         ("noise", ctypes.c_double),
         ("noise_v", ctypes.c_double),
         ("filter", ctypes.c_void_p),
-        ("constants", ctypes.c_void_p),
-        ("shares", ctypes.c_void_p),
-        ("lag", ctypes.c_double),
+        ("plant_constants", ctypes.c_void_p),
+        ("w_ratios", ctypes.c_void_p),
+        ("drive_time_constant", ctypes.c_double),
         ("latency", ctypes.c_double),
         ("start", ctypes.c_void_p),
-        ("walls", ctypes.c_int32),
-        ("goals", ctypes.c_int32),
-        ("space", ctypes.c_void_p),
-        ("target", ctypes.c_void_p),
-        ("first", ctypes.c_void_p),
+        ("space_face_count", ctypes.c_int32),
+        ("target_face_count", ctypes.c_int32),
+        ("space_faces", ctypes.c_void_p),
+        ("target_faces", ctypes.c_void_p),
+        ("face_range_starts", ctypes.c_void_p),
         ("faces", ctypes.c_void_p),
         ("radius", ctypes.c_void_p),
-        ("ends", ctypes.c_void_p),
+        ("segments", ctypes.c_void_p),
         ("clock", ctypes.c_int32),
-        ("turn", ctypes.c_void_p),
-        ("turns", ctypes.c_void_p),
-        ("activity", ctypes.c_void_p),
+        ("knot_range_starts", ctypes.c_void_p),
+        ("knots", ctypes.c_void_p),
+        ("activity_and_clock", ctypes.c_void_p),
     )
 
 
@@ -84,7 +84,7 @@ class LoadedController:
     """A compiled controller as the loop calls it.
 
     step, tube, advance: functions of C, `loop_step`, `loop_tube` and `loop_advance` of loop.h. start: sets its state to 0.
-    library: keeps it loaded. lag: returns by how many seconds its tube has waited.
+    library: keeps it loaded. waited_seconds: returns for how many seconds its tube has waited.
     """
 
     step: Any
@@ -92,7 +92,7 @@ class LoadedController:
     advance: Any
     start: Callable[[], None]
     library: Any
-    lag: Callable[[], float] = lambda: 0.0
+    waited_seconds: Callable[[], float] = lambda: 0.0
 
 
 def driver(plant: Model, dimension: int, order: int = 1) -> Any:
@@ -139,14 +139,14 @@ def load_controller(controller: EmittedController) -> LoadedController:
         run_compiler([find_compiler(), *FLAGS, *sources, "-o", f"{folder}/controller.so", "-lm"])
         library = ctypes.CDLL(f"{folder}/controller.so")
     if outside != "return":
-        library.loop_own_lag.restype = ctypes.c_double
+        library.loop_own_waited_seconds.restype = ctypes.c_double
         return LoadedController(
             step=library.loop_own_step,
             tube=library.loop_own_tube,
             advance=None,
             start=library.loop_own_start,
             library=library,
-            lag=library.loop_own_lag,
+            waited_seconds=library.loop_own_waited_seconds,
         )
     if not controller.design.is_stateful:
         return LoadedController(

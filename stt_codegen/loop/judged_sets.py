@@ -15,48 +15,54 @@ from stt_codegen.task import Task
 from stt_codegen.task.sets import SOLID, ConvexSet, Course, HalfSpace
 
 Array = npt.NDArray[Any]
-MAX_FACES = 1024  # of an unsafe set, as FACES in loop.h
+MAX_FACES = 1024  # of an unsafe set, as in loop.h
 
 
 class JudgedSets:
     """State space, target and unsafe sets of a task; unsafe sets are grown and the state space is shrunk by the body.
 
-    Half-spaces are rows of a unit normal and an offset, (F, n + 1).
-    space, target: their half-spaces. names: of the unsafe sets, in order. faces: the half-spaces of all polytopes; first: where
-    those of each set begin, and their number at the end. radius, ends: of round sets. turn, turns: where the knots of each motion
-    begin, and all knots (time, displacement). activity: per set, its active interval, its growth a second, and by how many
-    seconds its clock may be behind and ahead.
+    A half-space normal.x <= offset is a row of its unit normal and its offset, n + 1 numbers; F half-spaces are (F, n + 1).
+
+    space_faces, target_faces: half-spaces of the state space and of the target.
+    names: names of the unsafe sets, in order.
+    faces: half-spaces of all polytopes. Those of set j are the rows from face_range_starts[j] to before face_range_starts[j + 1].
+    radius, segments: of round sets, see `_segment_and_box`; the radius is 0 for a polytope.
+    knots: rows (time, displacement) of all motions. Those of set j are the rows from knot_range_starts[j] to before
+    knot_range_starts[j + 1].
+    activity_and_clock: a row of five numbers for each set, see `_activity_and_clock`.
     """
 
     def __init__(self, task: Task) -> None:
         # Where two walls are equally near, the disturbance "nearest" acts towards the first of this list.
         walls = sorted(task.free_space.faces, key=lambda face: [-abs(c) for c in face[0]] + [-sum(face[0])])
-        self.space = _unit_half_spaces([*walls, *task.space_cuts], task.dimension)
-        self.target = _unit_half_spaces([*task.target.faces, *task.target_cuts], task.dimension)
+        self.space_faces = _unit_half_spaces([*walls, *task.space_cuts], task.dimension)
+        self.target_faces = _unit_half_spaces([*task.target.faces, *task.target_cuts], task.dimension)
         sets = task.obstacles
         self.names = [s.name or f"U{j + 1}" for j, s in enumerate(sets)]
         faces_of_sets = [_half_spaces_of_polytope(s) for s in sets]
         self.radius = np.array([float(s.radius) for s in sets])
-        self.ends = np.array([_segment_and_box(s, task) for s in sets]).reshape(-1, 3, task.dimension)
+        self.segments = np.array([_segment_and_box(s, task) for s in sets]).reshape(-1, 3, task.dimension)
         self.faces = _unit_half_spaces([face for faces in faces_of_sets for face in faces], task.dimension)
         for s, faces in zip(sets, faces_of_sets, strict=True):
             if len(faces) > MAX_FACES:
                 raise BadInput(f"unsafe set {s.name}: has {len(faces)} faces; a loop takes at most {MAX_FACES}")
-        self.first = np.cumsum([0, *map(len, faces_of_sets)]).astype(np.int32)
+        self.face_range_starts = np.cumsum([0, *map(len, faces_of_sets)]).astype(np.int32)
         knots_of_sets = [() if c is None else c.knots for c in task.courses]
-        self.turn = np.cumsum([0, *map(len, knots_of_sets)]).astype(np.int32)
+        self.knot_range_starts = np.cumsum([0, *map(len, knots_of_sets)]).astype(np.int32)
         rows = [[float(time), *map(float, displacement)] for knots in knots_of_sets for time, displacement in knots]
-        self.turns = np.array(rows).reshape(-1, task.dimension + 1)
-        self.activity = np.array([_activity(c) for c in task.courses]).reshape(-1, 5)
+        self.knots = np.array(rows).reshape(-1, task.dimension + 1)
+        self.activity_and_clock = np.array([_activity_and_clock(c) for c in task.courses]).reshape(-1, 5)
 
 
-def _activity(course: Course | None) -> list[float]:
-    """Return begin and end of the active interval, growth a second, and the timing uncertainty behind and ahead, seconds."""
+def _activity_and_clock(course: Course | None) -> list[float]:
+    """Return begin and end of the active interval, growth a second, and how far the set's clock may lag and lead, in seconds."""
     if course is None:
         return [-math.inf, math.inf, 0.0, 0.0, 0.0]
-    first, last = course.active_interval or (-math.inf, math.inf)
-    end = float(last) if last != course.t_c else math.inf  # an interval that ends at t_c does not end for a loop that goes on
-    return [float(first), end, float(course.spread), float(course.clock_lag), float(course.clock_lead)]
+    begin, stated_end = course.active_interval or (-math.inf, math.inf)
+    end = (
+        float(stated_end) if stated_end != course.t_c else math.inf
+    )  # an interval that ends at t_c does not end for a loop that goes on
+    return [float(begin), end, float(course.spread), float(course.clock_lag), float(course.clock_lead)]
 
 
 def enlarged_sets(task: Task) -> list[str]:

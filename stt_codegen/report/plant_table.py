@@ -1,7 +1,7 @@
 """State the bounds of a plant with equations as the table [plant] of a task, or say why no table can; and compare a plant with
 it.
 
-report/analysis.py calls this with bounds over the windows of a tube.
+report/loop_analysis.py calls this with bounds over the windows of a tube.
 """
 
 from __future__ import annotations

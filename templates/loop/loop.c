@@ -6,17 +6,17 @@
 #include <stddef.h>
 #include <string.h>
 
-#define TOLERANCE 1e-12 /* of 1 + |x|: largest difference of a step and its halves, 15 times the remaining error */
+#define TOLERANCE 1e-12 /* times 1 + |x|: allowed difference of a step and its two halves, which is 15 times the error of the halves */
 #define MAX_HALVINGS 12 /* of a step */
 #define PROJECTION_ROUNDS 200 /* of Hildreth's method */
-#define CLOCKS 9 /* readings that are tried for the worst */
+#define CLOCKS 9 /* readings that WORST tries, evenly from EARLY to LATE */
 
 typedef struct {
     const loop_setting *s;
     uint64_t random;
     double direction[MAX_DIMENSIONS]; /* unit vector, or the vector held over this period */
     double rate, phase;     /* of the sinusoid, rad/s and rad */
-    double middle[STATE], half[STATE]; /* of the tube, and of the filtered one, when last judged */
+    double middle[STATE], half[STATE]; /* of the tube and the filtered tube, at the last judged time */
 } wind;
 
 static double uniform(uint64_t *state) /* splitmix64, to [0, 1) */
@@ -47,7 +47,7 @@ static void unit_vector(uint64_t *state, double *v, int n)
     for (int i = 0; i < n; i++) v[i] /= size;
 }
 
-static double beyond(const double *face, const double *x, int n) /* how far x is from its half-space, negative inside */
+static double signed_distance(const double *face, const double *x, int n) /* to the half-space of a face; negative inside */
 {
     double sum = -face[n];
     for (int i = 0; i < n; i++) sum += face[i] * x[i];
@@ -61,134 +61,136 @@ static double one_norm_of(const double *face, int n) /* of the normal */
     return sum;
 }
 
-/* From x to the nearest point of a polytope, by Hildreth's method: each half-space in turn takes back its last push and pushes
- * again. A box takes one round. `way` is the sum of all pushes. Returns the distance, 0 inside. */
-static double to_polytope(const double *faces, int count, double growth, const double *x, double *way, int n)
+/* Finds the point of a polytope that is nearest to x, by Hildreth's method: each half-space takes back its last push and pushes again,
+ * one half-space after the other. A box takes one round. Writes the vector from x to the point. Returns the distance, 0 inside. */
+static double to_polytope(const double *faces, int count, double growth, const double *x, double *to_nearest, int n)
 {
     double pushed[MAX_FACES], y[MAX_DIMENSIONS];
     memset(pushed, 0, (size_t)count * sizeof *pushed); /* not all of MAX_FACES, which takes longer than the rest of the loop */
-    memset(way, 0, (size_t)n * sizeof *way);
+    memset(to_nearest, 0, (size_t)n * sizeof *to_nearest);
     memcpy(y, x, (size_t)n * sizeof *x);
     for (int round = 0; round < PROJECTION_ROUNDS; round++) {
         double moved = 0.0;
         for (int f = 0; f < count; f++) {
             const double *face = faces + (n + 1) * f;
-            const double out = growth > 0.0 ? growth * one_norm_of(face, n) : 0.0; /* grown by a box */
-            const double push = fmax(0.0, pushed[f] + (beyond(face, y, n) - out)), change = push - pushed[f];
+            const double enlargement = growth > 0.0 ? growth * one_norm_of(face, n) : 0.0; /* grown by a box */
+            const double push = fmax(0.0, pushed[f] + (signed_distance(face, y, n) - enlargement)), change = push - pushed[f];
             for (int i = 0; i < n; i++) y[i] -= change * face[i];
             pushed[f] = push;
             moved = fmax(moved, fabs(change));
         }
         if (moved <= 1e-12) break;
     }
-    for (int i = 0; i < n; i++) way[i] = y[i] - x[i];
-    return norm_of(way, n);
+    for (int i = 0; i < n; i++) to_nearest[i] = y[i] - x[i];
+    return norm_of(to_nearest, n);
 }
 
-/* From x to the nearest point of a segment with a box about every point: along the segment the square of the distance is convex,
- * made of parabolas that meet where a coordinate comes to the box's edge. Returns the distance, 0 inside. */
-static double to_segment(const double *ends, const double *x, double *way, int n)
+/* Finds the point that is nearest to x in a segment with a box about each of its points. Along the segment the square of the distance
+ * is convex. It consists of parabolas, which meet at breakpoints: there a coordinate of x is at an edge of the box. Writes the vector
+ * from x to the point. Returns the distance, 0 inside. */
+static double to_segment(const double *ends, const double *x, double *to_nearest, int n)
 {
     const double *from = ends, *to = ends + n, *half = ends + 2 * n;
-    double turn[2 * MAX_DIMENSIONS + 2] = {0.0, 1.0}, best = HUGE_VAL;
-    int turns = 2;
+    double breakpoints[2 * MAX_DIMENSIONS + 2] = {0.0, 1.0}, best = HUGE_VAL;
+    int breakpoint_count = 2;
     for (int i = 0; i < n; i++)
         for (int side = -1; side <= 1; side += 2) {
             const double t = (x[i] + side * half[i] - from[i]) / (to[i] - from[i]);
-            if (t > 0.0 && t < 1.0) turn[turns++] = t;
+            if (t > 0.0 && t < 1.0) breakpoints[breakpoint_count++] = t;
         }
-    for (int k = 1; k < turns; k++)
-        for (int m = k; m > 0 && turn[m] < turn[m - 1]; m--) {
-            const double larger = turn[m - 1];
-            turn[m - 1] = turn[m], turn[m] = larger;
+    for (int k = 1; k < breakpoint_count; k++)
+        for (int m = k; m > 0 && breakpoints[m] < breakpoints[m - 1]; m--) {
+            const double larger = breakpoints[m - 1];
+            breakpoints[m - 1] = breakpoints[m], breakpoints[m] = larger;
         }
-    for (int k = 0; k + 1 < turns; k++) {
-        double slope = 0.0, bend = 0.0, at[3] = {turn[k], turn[k + 1], turn[k]};
-        const double middle = 0.5 * (turn[k] + turn[k + 1]);
-        for (int i = 0; i < n; i++) { /* which side of the box it is on does not change between two turns */
+    for (int k = 0; k + 1 < breakpoint_count; k++) {
+        double slope = 0.0, bend = 0.0, candidates[3] = {breakpoints[k], breakpoints[k + 1], breakpoints[k]};
+        const double middle = 0.5 * (breakpoints[k] + breakpoints[k + 1]);
+        for (int i = 0; i < n; i++) { /* the side of the box on which x is does not change between two breakpoints */
             const double gap = from[i] + middle * (to[i] - from[i]) - x[i];
             const double side = gap > half[i] ? 1.0 : gap < -half[i] ? -1.0 : 0.0, step = to[i] - from[i];
             if (side != 0.0) slope += (gap - side * half[i]) * step, bend += step * step;
         }
-        if (bend > 0.0) at[2] = fmin(fmax(middle - slope / bend, turn[k]), turn[k + 1]);
+        if (bend > 0.0) candidates[2] = fmin(fmax(middle - slope / bend, breakpoints[k]), breakpoints[k + 1]);
         for (int p = 0; p < 3; p++) {
             double gaps[MAX_DIMENSIONS];
             for (int i = 0; i < n; i++) {
-                const double gap = from[i] + at[p] * (to[i] - from[i]) - x[i];
+                const double gap = from[i] + candidates[p] * (to[i] - from[i]) - x[i];
                 gaps[i] = gap > half[i] ? gap - half[i] : gap < -half[i] ? gap + half[i] : 0.0;
             }
             const double distance = norm_of(gaps, n);
             if (distance < best) {
                 best = distance;
-                memcpy(way, gaps, (size_t)n * sizeof *way);
+                memcpy(to_nearest, gaps, (size_t)n * sizeof *to_nearest);
             }
         }
     }
     return best;
 }
 
-/* A set at one reading of its clock: whether it is unsafe, its growth, and x less the displacement of the set. */
+/* A set at one reading of its clock. unsafe: 1 in its active interval; relative_x: x minus the displacement of the set. */
 typedef struct {
     int unsafe;
     double growth, relative_x[MAX_DIMENSIONS];
 } set_state;
 
-static int readings(const loop_setting *s, int j) /* how many readings of its clock count for a set */
+static int readings(const loop_setting *s, int j) /* of the clock of set j that are tried */
 {
-    return s->turn != NULL && s->clock == WORST && s->turn[j + 1] > s->turn[j] ? CLOCKS : 1;
+    return s->knot_range_starts != NULL && s->clock == WORST && s->knot_range_starts[j + 1] > s->knot_range_starts[j] ? CLOCKS : 1;
 }
 
 /* Writes the state of set j for a controller that is at x at time t. */
 static void set_state_at(const loop_setting *s, int j, int reading, double t, const double *x, set_state *p)
 {
     const int n = s->n;
-    double by[MAX_DIMENSIONS] = {0}, tau = t;
+    double displacement[MAX_DIMENSIONS] = {0}, tau = t;
     p->unsafe = 1, p->growth = 0.0;
     memcpy(p->relative_x, x, (size_t)n * sizeof *x);
-    if (s->turn == NULL || s->turn[j + 1] == s->turn[j]) return;
-    const int first = s->turn[j], last = s->turn[j + 1] - 1;
-    const double *activity = s->activity + 5 * j, *at = s->turns + (n + 1) * first;
-    if (s->clock == EARLY) tau = t - activity[3];
-    if (s->clock == LATE) tau = t + activity[4];
-    if (s->clock == WORST) tau = t - activity[3] + reading * (activity[3] + activity[4]) / (CLOCKS - 1);
-    p->unsafe = tau >= activity[0] && tau <= activity[1];
-    p->growth = fmax(0.0, tau) * activity[2];
-    memcpy(by, at + 1, (size_t)n * sizeof *by);
-    for (int k = first; k < last; k++, at += n + 1) {
-        const double *to = at + n + 1, share = fmin(1.0, (tau - at[0]) / (to[0] - at[0]));
-        if (tau <= at[0]) break;
-        for (int i = 0; i < n; i++) by[i] = at[1 + i] + share * (to[1 + i] - at[1 + i]);
+    if (s->knot_range_starts == NULL || s->knot_range_starts[j + 1] == s->knot_range_starts[j]) return;
+    const int first = s->knot_range_starts[j], last = s->knot_range_starts[j + 1] - 1;
+    const double *clock_row = s->activity_and_clock + 5 * j, *knot = s->knots + (n + 1) * first;
+    if (s->clock == EARLY) tau = t - clock_row[3];
+    if (s->clock == LATE) tau = t + clock_row[4];
+    if (s->clock == WORST) tau = t - clock_row[3] + reading * (clock_row[3] + clock_row[4]) / (CLOCKS - 1);
+    p->unsafe = tau >= clock_row[0] && tau <= clock_row[1];
+    p->growth = fmax(0.0, tau) * clock_row[2];
+    memcpy(displacement, knot + 1, (size_t)n * sizeof *displacement);
+    for (int k = first; k < last; k++, knot += n + 1) {
+        const double *next_knot = knot + n + 1, fraction = fmin(1.0, (tau - knot[0]) / (next_knot[0] - knot[0]));
+        if (tau <= knot[0]) break;
+        for (int i = 0; i < n; i++) displacement[i] = knot[1 + i] + fraction * (next_knot[1 + i] - knot[1 + i]);
     }
-    for (int i = 0; i < n; i++) p->relative_x[i] = x[i] - by[i];
+    for (int i = 0; i < n; i++) p->relative_x[i] = x[i] - displacement[i];
 }
 
-/* From x to the core of set j: the distance, 0 inside; `way` is the vector to the nearest point. */
-static double to_core(const loop_setting *s, int j, const set_state *p, double *way)
+/* Writes the vector from x to the nearest point of the core of set j. Returns the distance, 0 inside. */
+static double to_core(const loop_setting *s, int j, const set_state *p, double *to_nearest)
 {
     const int n = s->n;
-    if (s->radius[j] > 0.0) return to_segment(s->ends + 3 * n * j, p->relative_x, way, n);
-    return to_polytope(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], p->growth, p->relative_x, way, n);
+    if (s->radius[j] > 0.0) return to_segment(s->segments + 3 * n * j, p->relative_x, to_nearest, n);
+    const int first = s->face_range_starts[j], count = s->face_range_starts[j + 1] - first;
+    return to_polytope(s->faces + (n + 1) * first, count, p->growth, p->relative_x, to_nearest, n);
 }
 
 /* Writes the unit vector toward the nearest unsafe set or wall. */
 static void nearest(const loop_setting *s, double t, const double *x, double *w)
 {
     const int n = s->n;
-    double best = HUGE_VAL, way[MAX_DIMENSIONS];
+    double best = HUGE_VAL, to_nearest[MAX_DIMENSIONS];
     set_state p;
     for (int j = 0; j < s->sets; j++)
         for (int reading = 0; reading < readings(s, j); reading++) {
             set_state_at(s, j, reading, t, x, &p);
             if (!p.unsafe) continue;
-            const double core = to_core(s, j, &p, way);
+            const double core = to_core(s, j, &p, to_nearest);
             const double distance = s->radius[j] > 0.0 ? core - s->radius[j] - p.growth : core;
             if (distance > 0.0 && distance < best) {
                 best = distance;
-                for (int i = 0; i < n; i++) w[i] = way[i] / core;
+                for (int i = 0; i < n; i++) w[i] = to_nearest[i] / core;
             }
         }
-    for (int f = 0; f < s->walls; f++) {
-        const double *wall = s->space + (n + 1) * f, distance = -beyond(wall, x, n);
+    for (int f = 0; f < s->space_face_count; f++) {
+        const double *wall = s->space_faces + (n + 1) * f, distance = -signed_distance(wall, x, n);
         if (distance < best) {
             best = distance;
             memcpy(w, wall, (size_t)n * sizeof *w);
@@ -196,17 +198,17 @@ static void nearest(const loop_setting *s, double t, const double *x, double *w)
     }
 }
 
-static int tube_size(const loop_setting *s) /* of all tubes together */
+static int tube_size(const loop_setting *s) /* coordinates of all tubes */
 {
     return s->order * s->n;
 }
 
-static int state_size(const loop_setting *s) /* with the acting input, where it lags */
+static int state_size(const loop_setting *s) /* with the output of a drive that lags */
 {
-    return tube_size(s) + (s->lag > 0.0 ? s->n : 0);
+    return tube_size(s) + (s->drive_time_constant > 0.0 ? s->n : 0);
 }
 
-/* Writes what the tubes bound: x, and of order 2 then v + filter x. */
+/* Writes the quantities that the tubes bound: x, and of order 2 then v + filter x. */
 static void tube_coordinates(const loop_setting *s, const double *x, double *coordinates)
 {
     const int n = s->n;
@@ -221,11 +223,11 @@ static void disturb(const wind *v, double t, const double *x, double *w)
     const loop_setting *s = v->s;
     const int n = s->n;
     memset(w, 0, (size_t)n * sizeof *w);
-    if (s->kind == CONSTANT || s->kind == RANDOM) memcpy(w, v->direction, (size_t)n * sizeof *w);
-    if (s->kind == SINUSOIDAL)
+    if (s->disturbance_kind == CONSTANT || s->disturbance_kind == RANDOM) memcpy(w, v->direction, (size_t)n * sizeof *w);
+    if (s->disturbance_kind == SINUSOIDAL)
         for (int i = 0; i < n; i++) w[i] = v->direction[i] * sin(v->rate * t + v->phase);
-    if (s->kind == NEAREST) nearest(s, t, x, w);
-    if (s->kind == OUTWARD) { /* toward the nearest edge of the tube */
+    if (s->disturbance_kind == NEAREST) nearest(s, t, x, w);
+    if (s->disturbance_kind == OUTWARD) { /* toward the nearest edge of the tube */
         const int first = (s->order - 1) * n;
         int worst = first;
         double largest_e = -1.0, coordinates[STATE];
@@ -236,7 +238,7 @@ static void disturb(const wind *v, double t, const double *x, double *w)
         }
         w[worst - first] = coordinates[worst] < v->middle[worst] ? -1.0 : 1.0;
     }
-    for (int i = 0; i < n; i++) w[i] *= s->strength * s->shares[i];
+    for (int i = 0; i < n; i++) w[i] *= s->w_max * s->w_ratios[i];
 }
 
 /* An input, x of the sample that it was computed from, and the time from which it acts. */
@@ -260,42 +262,42 @@ static void rate_of(const wind *v, double t, const double *x, const held_input *
 {
     const double *u = acts->u;
     const int n = v->s->n;
-    double g[MAX_DIMENSIONS * MAX_DIMENSIONS], w[MAX_DIMENSIONS], *turn = rate + (v->s->order - 1) * n;
-    loop_plant(x, v->s->constants, acts->sample, turn, g);
+    double g[MAX_DIMENSIONS * MAX_DIMENSIONS], w[MAX_DIMENSIONS], *highest_rate = rate + (v->s->order - 1) * n;
+    loop_plant(x, v->s->plant_constants, acts->sample, highest_rate, g);
     disturb(v, t, x, w);
-    if (v->s->lag > 0.0) {
+    if (v->s->drive_time_constant > 0.0) {
         const int first = tube_size(v->s);
-        for (int i = 0; i < n; i++) rate[first + i] = (u[i] - x[first + i]) / v->s->lag;
+        for (int i = 0; i < n; i++) rate[first + i] = (u[i] - x[first + i]) / v->s->drive_time_constant;
         u = x + first;
     }
     for (int i = 0; i < n; i++) {
         if (v->s->order == 2) rate[i] = x[n + i];
-        turn[i] += w[i];
-        for (int j = 0; j < n; j++) turn[i] += g[i + n * j] * u[j];
+        highest_rate[i] += w[i];
+        for (int j = 0; j < n; j++) highest_rate[i] += g[i + n * j] * u[j];
     }
 }
 
 static void runge_kutta(const wind *v, double t, double h, const held_input *acts, double *x)
 {
-    static const double at[4] = {0.0, 0.5, 0.5, 1.0}, share[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    static const double stage_fraction[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
     const int n = state_size(v->s);
     double k[STATE] = {0}, y[STATE], sum[STATE] = {0};
     for (int stage = 0; stage < 4; stage++) {
-        for (int i = 0; i < n; i++) y[i] = x[i] + at[stage] * h * k[i];
-        rate_of(v, t + at[stage] * h, y, acts, k);
-        for (int i = 0; i < n; i++) sum[i] += share[stage] * k[i];
+        for (int i = 0; i < n; i++) y[i] = x[i] + stage_fraction[stage] * h * k[i];
+        rate_of(v, t + stage_fraction[stage] * h, y, acts, k);
+        for (int i = 0; i < n; i++) sum[i] += weight[stage] * k[i];
     }
     for (int i = 0; i < n; i++) x[i] += h * sum[i];
 }
 
-/* A step of h, by halves where one step and two halves differ by more than rounding and TOLERANCE allow. */
+/* Integrates over h. Where one step and two half steps differ by more than TOLERANCE, each half is integrated by itself. */
 static void integrate(const wind *v, double t, double h, const held_input *acts, double *x, int depth)
 {
     const int n = state_size(v->s);
     double full[STATE], halves[STATE], worst = 0.0;
     memcpy(full, x, (size_t)n * sizeof *x);
     runge_kutta(v, t, h, acts, full);
-    if (v->s->constant) { /* f and g do not change: one step is exact but for the change of w */
+    if (v->s->has_constant_dynamics) { /* f and g do not depend on x: only the change of w makes an error in one step */
         memcpy(x, full, (size_t)n * sizeof *x);
         return;
     }
@@ -327,7 +329,7 @@ static void drive(const wind *v, double now, double h, inputs *q, double *x)
 static int inside(const double *faces, int count, const double *x, int n)
 {
     for (int f = 0; f < count; f++)
-        if (!(beyond(faces + (n + 1) * f, x, n) <= 0.0)) return 0;
+        if (!(signed_distance(faces + (n + 1) * f, x, n) <= 0.0)) return 0;
     return 1;
 }
 
@@ -335,30 +337,30 @@ static int inside(const double *faces, int count, const double *x, int n)
 static int collides(const loop_setting *s, int j, double t, const double *x)
 {
     const int n = s->n;
-    double way[MAX_DIMENSIONS];
+    double to_nearest[MAX_DIMENSIONS];
     set_state p;
     for (int reading = 0; reading < readings(s, j); reading++) {
         int in = 1;
         set_state_at(s, j, reading, t, x, &p);
         if (!p.unsafe) continue;
-        if (s->radius[j] > 0.0) in = to_core(s, j, &p, way) < s->radius[j] + p.growth;
-        for (int f = s->first[j]; in && f < s->first[j + 1]; f++) {
-            const double *face = s->faces + (n + 1) * f, out = p.growth > 0.0 ? p.growth * one_norm_of(face, n) : 0.0;
-            in = beyond(face, p.relative_x, n) < out;
+        if (s->radius[j] > 0.0) in = to_core(s, j, &p, to_nearest) < s->radius[j] + p.growth;
+        for (int f = s->face_range_starts[j]; in && f < s->face_range_starts[j + 1]; f++) {
+            const double *face = s->faces + (n + 1) * f, enlargement = p.growth > 0.0 ? p.growth * one_norm_of(face, n) : 0.0;
+            in = signed_distance(face, p.relative_x, n) < enlargement;
         }
         if (in) return 1;
     }
     return 0;
 }
 
-/* Notes in r what a state at time t adds to the result, and in v the tube. */
+/* Updates the result r by the state at time t, and in v the tube that the disturbance OUTWARD needs. */
 static void judge(const loop_setting *s, double t, const double *x, loop_tube tube, wind *v, loop_result *r)
 {
     const int n = s->n;
     double lower[STATE], upper[STATE], coordinates[STATE];
     for (int j = 0; j < s->sets && r->hit < 0; j++)
         if (collides(s, j, t, x)) r->hit = j, r->hit_at = t;
-    if (!r->left && !inside(s->space, s->walls, x, n)) r->left = 1, r->left_at = t;
+    if (!r->left && !inside(s->space_faces, s->space_face_count, x, n)) r->left = 1, r->left_at = t;
     if (tube == NULL) return;
     tube(t, lower, upper);
     tube_coordinates(s, x, coordinates);
@@ -366,9 +368,10 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
         const double width = upper[i] - lower[i], nearer = fmin(coordinates[i] - lower[i], upper[i] - coordinates[i]);
         v->middle[i] = 0.5 * (lower[i] + upper[i]);
         v->half[i] = width > 0.0 ? 0.5 * width : 1e-9;
-        const double share = width > 0.0 ? nearer / width : -1.0, e = fabs(coordinates[i] - v->middle[i]) / v->half[i];
+        const double distance_ratio = width > 0.0 ? nearer / width : -1.0, e = fabs(coordinates[i] - v->middle[i]) / v->half[i];
         double *largest_e = &r->e[i % n];
-        r->margin = share >= r->margin ? r->margin : share == share ? share : -1.0; /* NaN counts as outside */
+        /* NaN counts as outside */
+        r->margin = distance_ratio >= r->margin ? r->margin : distance_ratio == distance_ratio ? distance_ratio : -1.0;
         *largest_e = e <= *largest_e ? *largest_e : e == e ? e : HUGE_VAL;
     }
 }
@@ -389,10 +392,10 @@ static double *write_row(double *row, double t, const double *x, const double *u
 {
     double edges[2][STATE] = {{0}, {0}};
     if (tube != NULL) tube(t, edges[0], edges[1]);
-    const double *parts[6] = {x, u, edges[0], edges[1], w, x + n};
+    const double *vectors[6] = {x, u, edges[0], edges[1], w, x + n};
     *row++ = t;
     for (int p = 0; p < 4 + order; p++)
-        for (int i = 0; i < n; i++) *row++ = parts[p][i];
+        for (int i = 0; i < n; i++) *row++ = vectors[p][i];
     *row++ = status;
     return row;
 }
@@ -411,13 +414,13 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
     memcpy(x, s->start, (size_t)size * sizeof *x);
     judge(s, 0.0, x, tube, &v, r);
     for (int k = 0; k < s->samples; k++) {
-        const double t = k * s->period, h = fmin(s->period, s->end - t) / s->parts;
-        if (s->kind == RANDOM) { /* a new vector in the ball every period */
+        const double t = k * s->period, h = fmin(s->period, s->end - t) / s->integration_steps;
+        if (s->disturbance_kind == RANDOM) { /* a new vector in the ball every period */
             unit_vector(&v.random, v.direction, n);
             const double size = pow(uniform(&v.random), 1.0 / n);
             for (int i = 0; i < n; i++) v.direction[i] *= size;
         }
-        lost = k > 0 && lost < s->lost && uniform(&v.random) < 0.5 ? lost + 1 : 0;
+        lost = k > 0 && lost < s->max_lost_samples && uniform(&v.random) < 0.5 ? lost + 1 : 0;
         if (!lost) {
             for (int i = 0; i < size; i++) measured[i] = x[i] + (i < n ? s->noise : s->noise_v) * (2.0 * uniform(&v.random) - 1.0);
             status = step(t, measured, u);
@@ -432,14 +435,14 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
             disturb(&v, t, x, w);
             trace = write_row(trace, t, x, u, tube, w, status, n, s->order);
         }
-        for (int part = 0; part < s->parts; part++) {
-            const double now = t + part * h;
+        for (int integration_step = 0; integration_step < s->integration_steps; integration_step++) {
+            const double now = t + integration_step * h;
             drive(&v, now, h, &q, x);
             if (advance != NULL) advance(now, h);
             judge(s, now + h, x, tube, &v, r);
         }
     }
     if (trace != NULL) write_row(trace, s->end, x, u, tube, w, status, n, s->order);
-    r->reached = inside(s->target, s->goals, x, n);
+    r->reached = inside(s->target_faces, s->target_face_count, x, n);
     memcpy(r->last, x, (size_t)n * sizeof *x);
 }

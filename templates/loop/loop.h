@@ -5,73 +5,81 @@
 
 #include <stdint.h>
 
-#define MAX_DIMENSIONS 64 /* dimensions */
-#define STATE (3 * MAX_DIMENSIONS)
+#define MAX_DIMENSIONS 64 /* of x */
+#define STATE (3 * MAX_DIMENSIONS) /* numbers in x, v and the output of a drive */
 #define MAX_FACES 1024 /* of one unsafe set */
-#define MAX_PENDING 128 /* inputs on their way */
+#define MAX_PENDING 128 /* inputs that wait to act */
 
-/* Writes u for the measured state at time t; returns a status, not 0 where the state is outside of the tube or an argument is bad. */
+/* Writes u for the measured state at time t. Returns a status: 0, or another number if the state is outside the tube or an argument is
+ * not finite. */
 typedef int (*loop_step)(double t, const double *x, double *u);
-/* Writes the edges of the tube at t, of order 2 then those of the filtered tube. */
+/* Writes the edges of the tube at t; of order 2, those of the filtered tube follow them. */
 typedef void (*loop_tube)(double t, double *lower, double *upper);
-/* Moves the state of the controller itself, of an adaptive tube, from t to t + dt. */
+/* Moves alpha, the state of an adaptive controller, from t to t + dt. */
 typedef void (*loop_advance)(double t, double dt);
 
+/* The direction of w. NONE: w is 0. CONSTANT: one random vector. SINUSOIDAL: that vector times a sine of time. RANDOM: a new vector in
+ * every period. NEAREST: toward the nearest unsafe set or face of the state space. OUTWARD: along one axis, toward the nearest edge of
+ * the tube. */
 typedef enum { NONE, CONSTANT, SINUSOIDAL, RANDOM, NEAREST, OUTWARD } disturbance;
 
-/* What the clock of the sets shows, within their timing uncertainty; WORST: the worst of CLOCKS readings, for each set at each time. */
+/* The error of the clock by which the sets move. STATED: none. EARLY: the clock is behind the controller's as far as it may be. LATE: it
+ * is ahead as far as it may be. WORST: CLOCKS errors between both are tried for each set at each time; a collision with one counts. */
 typedef enum { STATED, EARLY, LATE, WORST } sets_clock;
 
+/* A face is a half-space normal.x <= offset: n + 1 numbers, a unit normal and then the offset. */
 typedef struct {
-    int32_t n, sets;       /* dimension; unsafe sets */
+    int32_t n, sets;       /* dimensions; unsafe sets */
     int32_t order;         /* of the plant: 1 or 2 */
-    int32_t samples;       /* periods to run */
-    int32_t parts;         /* Runge-Kutta steps in each */
-    int32_t kind;          /* of disturbance */
-    int32_t lost;          /* samples that may be lost in a row, at random */
-    int32_t constant;      /* whether f and g are the same everywhere */
+    int32_t samples;       /* sampling periods to run */
+    int32_t integration_steps; /* Runge-Kutta steps in each period */
+    int32_t disturbance_kind; /* a value of `disturbance` */
+    int32_t max_lost_samples; /* in a row; a sample is lost at random */
+    int32_t has_constant_dynamics; /* 1: f and g do not depend on the state, and no drive lags */
     uint64_t seed;
     double period, end;    /* seconds; the last period is cut at the end */
-    double strength;       /* |w| at most, its Euclidean norm */
-    double noise;          /* of every measured component of x, at most */
-    double noise_v;        /* and of v */
-    const double *filter;  /* n, of order 2: v + filter x is in the filtered tube */
-    const double *constants; /* of the plant, in this run */
-    const double *shares;  /* n: of w by component, at most 1 */
-    double lag;            /* seconds: the acting input follows u by a first-order lag, 0 for none; it begins at 0 */
-    double latency;        /* seconds from a sample to its u, less than MAX_PENDING - 2 periods; the first one acts at once */
+    double w_max;          /* bound on |w|, the Euclidean norm */
+    double noise;          /* bound on the error of every measured component of x */
+    double noise_v;        /* bound on the error of every measured component of v */
+    const double *filter;  /* n, lambda of order 2: v + filter x is in the filtered tube */
+    const double *plant_constants; /* in this run */
+    const double *w_ratios; /* n, at most 1: |w_i| is at most w_ratios[i] w_max */
+    double drive_time_constant; /* seconds: the plant's input follows u by a first-order lag and is 0 at first; 0: it is u */
+    double latency;        /* seconds from a sample to its u, less than MAX_PENDING - 2 periods; the first u acts at once */
     const double *start;   /* a state */
-    int32_t walls, goals;  /* half-spaces of the state space and of the target */
-    const double *space;   /* each n + 1 numbers, as in faces */
-    const double *target;
-    const int32_t *first;  /* sets + 1: where the faces of each begin, and how many there are */
-    const double *faces;   /* each n + 1 numbers, a unit normal and an offset: the core of a set is where normal.x <= offset for all its faces */
-    const double *radius;  /* sets: a round set is all points this near to its core, the segment between its ends with a box about
-                            * every point; 0 for a polytope */
-    const double *ends;    /* sets, 3 n: both ends, and half the box */
-    int32_t clock;         /* sets_clock */
-    const int32_t *turn;   /* sets + 1: where the turns of each motion begin, and how many there are; a set at rest has none;
-                            * NULL where all are at rest */
-    const double *turns;   /* each n + 1 numbers: the time on the sets' clock, the displacement */
-    const double *activity; /* sets, 5: active interval on the sets' clock, from and to; growth a second; seconds that this clock
-                            * may be behind the controller's, and ahead of it */
+    int32_t space_face_count, target_face_count;
+    const double *space_faces; /* of the state space */
+    const double *target_faces;
+    const int32_t *face_range_starts; /* sets + 1: the faces of set j are those from [j] to before [j + 1] */
+    const double *faces;   /* of all sets that are polytopes: x is in the set where it is in every half-space */
+    const double *radius;  /* sets: a round set is all points within this distance of its core; 0 for a polytope. The core is a segment
+                            * with a box about each of its points. */
+    const double *segments; /* sets, 3 n: both ends of a round set's segment, and the half sides of the box */
+    int32_t clock;         /* a value of `sets_clock` */
+    const int32_t *knot_range_starts; /* sets + 1: the knots of set j are those from [j] to before [j + 1]; a set at rest has none. NULL
+                            * where all sets are at rest. */
+    const double *knots;   /* each n + 1 numbers: the time on the set's clock, and the displacement of the set */
+    const double *activity_and_clock; /* sets, 5: begin and end of the active interval on the set's clock; growth a second; seconds by
+                            * which this clock may be behind the controller's; seconds by which it may be ahead */
 } loop_setting;
 
 typedef struct {
     int32_t hit;           /* unsafe set that was entered first, or -1 */
-    int32_t left;          /* whether x was ever outside the state space */
-    int32_t reached;       /* x in the target at the end */
+    int32_t left;          /* 1: x was outside the state space */
+    int32_t reached;       /* 1: x is in the target at the end */
     int32_t outside;       /* samples at which the controller returned a status that is not 0 */
-    double hit_at, left_at, outside_at; /* seconds; -1 where not */
-    double margin;         /* smallest distance to an edge over the width, all along */
+    double hit_at, left_at, outside_at; /* seconds of the first time; -1 where it did not happen */
+    double margin;         /* smallest distance to an edge over the width, during the run */
     double e[MAX_DIMENSIONS], u[MAX_DIMENSIONS]; /* largest |e_i|, |u_i| */
     double last[MAX_DIMENSIONS]; /* x at the end */
 } loop_result;
 
-/* Runs a closed loop. trace, if not NULL, takes samples + 1 rows: t, x, u, lower, upper, w, of order 2 v, status. tube and advance may be NULL. */
+/* Runs a closed loop. trace, if not NULL, takes samples + 1 rows: t, x, u, lower, upper, w, of order 2 v, status. tube and
+ * advance may be NULL. */
 void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advance advance, loop_result *r, double *trace);
 
-/* The plant: f (n) and g (n by n, by columns) at a state, with its constants p; sample: x of the sample that u was computed from. */
+/* Writes f (n) and g (n by n, by columns) of the plant at a state. p: constants of the plant; sample: the measured x from which u was
+ * computed. */
 void loop_plant(const double *x, const double *p, const double *sample, double *f, double *g);
 
 #endif

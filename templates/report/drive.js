@@ -20,10 +20,13 @@ function createLoop(setting) {
   /* Offsets in report_buffer: state, input, f, g, constants, sample. */
   const [X, U, F, G, P, S] = [0, 2 * n, 3 * n, 4 * n, 4 * n + n * n, 4 * n + n * n + setting.constants.length];
   let doubles = new Float64Array(wasm.memory.buffer, address, S + n);
-  const memory = () => (doubles.length ? doubles : (doubles = new Float64Array(wasm.memory.buffer, address, S + n))); // memory that grows detaches the array
+  const memory = () => {
+    if (!doubles.length) doubles = new Float64Array(wasm.memory.buffer, address, S + n); // memory that grows detaches the array
+    return doubles;
+  };
   const addressOf = (k) => address + 8 * k;
 
-  const loop = { t: 0, x: [], v: null, u: [], w: [], status: 0, margin: 0, lag: 0, trace: [], log: [], hand: null, unprovedReason: "", proved: false };
+  const loop = { t: 0, x: [], v: null, u: [], w: [], status: 0, margin: 0, waitedSeconds: 0, trace: [], log: [], hand: null, unprovedReason: "", proved: false };
   let alphaTime = 0; // the time up to which alpha has been stepped
   let pendingInputs = []; // delayed inputs: [time of arrival, u, sample, whether the proof covers it]
   let isProvedInput = false; // whether the proof covers the input that acts now
@@ -33,11 +36,15 @@ function createLoop(setting) {
   let previousStatus = 0; // of the sample before
   let lastPeriod = 0; // of the last step
   let seed = 1;
-  const random = () => { seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0; return seed / 2 ** 31 - 1; };
+  /* Return a pseudorandom number of [-1, 1). */
+  const random = () => {
+    seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0;
+    return seed / 2 ** 31 - 1;
+  };
 
   /* The time of the tube: less than t by what it has waited, and within one cycle where it repeats. */
   loop.tubeTime = () => {
-    const t = loop.t - loop.lag;
+    const t = loop.t - loop.waitedSeconds;
     if (!data.cycle || t < data.t_c) return Math.min(t, data.t_c);
     const cycleLength = data.cycle[1] - data.cycle[0];
     return data.cycle[0] + ((t - data.cycle[0]) % cycleLength);
@@ -47,8 +54,14 @@ function createLoop(setting) {
     const status = wasm.loop_own_step(t, addressOf(X), addressOf(U));
     return [status, [...memory().subarray(U, U + n)]];
   };
-  loop.tube = (t) => { wasm.loop_own_tube(t, addressOf(X), addressOf(G)); return [[...memory().subarray(X, X + states)], [...memory().subarray(G, G + states)]]; };
-  loop.marginAt = (t, x) => { memory().set(x, X); return wasm.loop_own_margin(t, addressOf(X)); };
+  loop.tube = (t) => {
+    wasm.loop_own_tube(t, addressOf(X), addressOf(G)); // the edges may cover P and S, which are written before each use
+    return [[...memory().subarray(X, X + states)], [...memory().subarray(G, G + states)]];
+  };
+  loop.marginAt = (t, x) => {
+    memory().set(x, X);
+    return wasm.loop_own_margin(t, addressOf(X));
+  };
 
   function plantDerivative(x) {
     const memoryDoubles = memory();
@@ -82,21 +95,37 @@ function createLoop(setting) {
   loop.begin = (t) => {
     if (wasm.loop_own_start) wasm.loop_own_start();
     alphaTime = 0;
-    [loop.t, loop.lag, loop.trace, loop.log, pendingInputs, loop.u, loop.w] = [t, 0, [], [], [], new Array(n).fill(0), new Array(n).fill(0)];
-    [loop.unprovedReason, loop.lost, loop.hand, seed] = ["", false, null, 1];
+    loop.t = t;
+    loop.waitedSeconds = 0;
+    loop.trace = [];
+    loop.log = [];
+    pendingInputs = [];
+    loop.u = new Array(n).fill(0);
+    loop.w = new Array(n).fill(0);
+    loop.unprovedReason = "";
+    loop.lost = false;
+    loop.hand = null;
+    seed = 1;
     advanceAlpha(t);
     const [low, high] = loop.tube(t);
     loop.x = t > 0 ? midpoint(low.slice(0, n), high.slice(0, n)) : [...setting.x];
     loop.v = null;
-    if (setting.order === 2) loop.v = t > 0 ? data.filtered.lambda.map((l, i) => (low[n + i] + high[n + i]) / 2 - l * loop.x[i]) : new Array(n).fill(0);
+    if (setting.order === 2) {
+      const middleSpeed = (lambda, i) => (low[n + i] + high[n + i]) / 2 - lambda * loop.x[i];
+      loop.v = t > 0 ? data.filtered.lambda.map(middleSpeed) : new Array(n).fill(0);
+    }
     sample = [...loop.x];
-    if (setting.differs && t > 0) loop.control(t - setting.period, loop.x.map((v, i) => v - setting.period * loop.v[i]).concat(loop.v));
-    const known = setting.proved;
-    const calmConditions = { period: known ? known.period : setting.period, latency: 0, noise: 0, wind: 0 }; // before the first sample no condition can be violated
+    if (setting.uses_differences && t > 0) { // an earlier sample, from which the C takes the difference
+      const earlierX = loop.x.map((v, i) => v - setting.period * loop.v[i]);
+      loop.control(t - setting.period, earlierX.concat(loop.v));
+    }
+    const period = setting.proved ? setting.proved.period : setting.period;
+    const calmConditions = { period, latency: 0, noise: 0, wind: 0 }; // before the first sample no condition can be violated
     takeSample(calmConditions, true);
     loop.unprovedReason = faultOf(calmConditions, 0) || (loop.status === 0 && isAmongStarts() ? "" : "not one of the starts");
     loop.proved = isProvedInput = !loop.unprovedReason;
-    [faultlessSamples, hasArrived] = [loop.proved ? 2 : 0, false];
+    faultlessSamples = loop.proved ? 2 : 0;
+    hasArrived = false;
     lastReported.clear();
     previousStatus = 0;
     recordSample();
@@ -108,10 +137,11 @@ function createLoop(setting) {
     if (conditions.kind === "outward") {
       const [low, high] = loop.tube(loop.t);
       const tubeCoordinate = (k) => (setting.order === 2 ? loop.v[k] + data.filtered.lambda[k] * loop.x[k] : loop.x[k]);
-      const first = setting.order === 2 ? n : 0;
-      const share = loop.x.map((_, k) => (2 * tubeCoordinate(k) - low[first + k] - high[first + k]) / (high[first + k] - low[first + k]));
-      const worst = share.reduce((m, v, k) => (Math.abs(v) > Math.abs(share[m]) ? k : m), 0);
-      return share.map((v, k) => (k === worst ? Math.sign(v || 1) * size : 0));
+      const offset = setting.order === 2 ? n : 0; // of the edges of the filtered tube
+      /* e: -1 at the lower edge, 1 at the upper edge */
+      const normalizedErrors = loop.x.map((_, k) => (2 * tubeCoordinate(k) - low[offset + k] - high[offset + k]) / (high[offset + k] - low[offset + k]));
+      const nearestAxis = normalizedErrors.reduce((m, e, k) => (Math.abs(e) > Math.abs(normalizedErrors[m]) ? k : m), 0);
+      return normalizedErrors.map((e, k) => (k === nearestAxis ? Math.sign(e || 1) * size : 0));
     }
     if (conditions.kind === "random") {
       const w = loop.x.map(random);
@@ -123,40 +153,45 @@ function createLoop(setting) {
   }
 
   /* Take a sample: measure, compute u with the C, and let it act now or after the latency. */
-  function takeSample(conditions, first) {
+  function takeSample(conditions, isFirst) {
     advanceAlpha(loop.t);
-    const measured = state().map((v, k) => v + conditions.noise * (k < n ? 1 : setting.noise_v) * random());
+    const measured = state().map((v, k) => v + conditions.noise * (k < n ? setting.x_noise_ratio : setting.v_noise_ratio) * random());
     const [status, u] = loop.control(loop.t, measured);
-    if (wasm.loop_own_lag) loop.lag = wasm.loop_own_lag();
+    if (wasm.loop_own_waited_seconds) loop.waitedSeconds = wasm.loop_own_waited_seconds();
     loop.status = status;
     loop.margin = loop.marginAt(loop.t, state());
-    const isFaultless = first || faultOf(conditions, status) === "";
-    if (first || !conditions.latency) { loop.u = u; sample = measured.slice(0, n); pendingInputs = []; isProvedInput = isFaultless; }
-    else {
+    const isFaultless = isFirst || faultOf(conditions, status) === "";
+    if (isFirst || !conditions.latency) {
+      loop.u = u;
+      sample = measured.slice(0, n);
+      pendingInputs = [];
+      isProvedInput = isFaultless;
+    } else {
       const arrival = loop.t + conditions.latency;
-      pendingInputs = pendingInputs.filter(([when]) => when <= arrival); // an input that would arrive after a newer one is dropped
+      pendingInputs = pendingInputs.filter(([pendingArrival]) => pendingArrival <= arrival); // a newer input replaces those that would arrive after it
       pendingInputs.push([arrival, u, measured.slice(0, n), isFaultless]);
     }
-    if (!first) updateProof(conditions, isFaultless);
+    if (!isFirst) updateProof(conditions, isFaultless);
   }
 
-  /* Return the conditions that exceed what is proved, by name of the slider, with a reason. */
-  loop.beyond = (conditions) => {
-    const known = setting.proved, tolerance = 1 + 1e-9; // for the rounding of a slider
-    if (!known) return { rate: "samples", wind: "wind", latency: "delay", noise: "noise" };
+  /* Return a reason for each condition that exceeds the proved limit, by the name of its slider. */
+  loop.exceededLimits = (conditions) => {
+    const proved = setting.proved;
+    const tolerance = 1 + 1e-9; // for the rounding of a slider
+    if (!proved) return { rate: "samples", wind: "wind", latency: "delay", noise: "noise" };
     const reasons = {};
-    if (conditions.period > known.period * tolerance) reasons.rate = "samples too rare";
-    if (conditions.period < known.shortest / tolerance) reasons.rate = "samples too dense";
-    if (conditions.latency > known.latency * tolerance) reasons.latency = "delay";
-    if (conditions.noise > known.noise * tolerance) reasons.noise = "noise";
-    if (conditions.wind > known.w * tolerance) reasons.wind = "wind";
+    if (conditions.period > proved.period * tolerance) reasons.rate = "samples too rare";
+    if (conditions.period < proved.shortest / tolerance) reasons.rate = "samples too dense";
+    if (conditions.latency > proved.latency * tolerance) reasons.latency = "delay";
+    if (conditions.noise > proved.noise * tolerance) reasons.noise = "noise";
+    if (conditions.wind > proved.w * tolerance) reasons.wind = "wind";
     return reasons;
   };
 
   /* Return why the proof does not cover a sample; empty where it does. */
   function faultOf(conditions, status) {
     if (!setting.proved) return "no sampling period is proved for this gain";
-    const reasons = Object.values(loop.beyond(conditions));
+    const reasons = Object.values(loop.exceededLimits(conditions));
     if (setting.adaptive) reasons.push("the steps of alpha");
     if (loop.hand) reasons.push("a hand");
     if (status !== 0) reasons.push("outside the tube");
@@ -169,12 +204,19 @@ function createLoop(setting) {
     const reason = faultOf(conditions, loop.status);
     faultlessSamples = reason ? 0 : faultlessSamples + 1;
     if (reason) discardProof(reason);
-    else if (loop.unprovedReason && faultlessSamples >= (setting.differs ? 2 : 1) && isFaultless && isProvedInput && pendingInputs.every(([, , , isCovered]) => isCovered) && isAmongStarts()) loop.unprovedReason = "";
+    else if (loop.unprovedReason) {
+      const hasEnoughSamples = faultlessSamples >= (setting.uses_differences ? 2 : 1);
+      const allInputsCovered = isFaultless && isProvedInput && pendingInputs.every(([, , , isCovered]) => isCovered);
+      if (hasEnoughSamples && allInputsCovered && isAmongStarts()) loop.unprovedReason = "";
+    }
     loop.proved = !loop.unprovedReason;
   }
   /* The proof does not hold from now on; it covers neither the acting nor the delayed inputs. */
   function discardProof(reason) {
-    [loop.unprovedReason, loop.proved, isProvedInput, faultlessSamples] = [reason, false, false, 0];
+    loop.unprovedReason = reason;
+    loop.proved = false;
+    isProvedInput = false;
+    faultlessSamples = 0;
     pendingInputs = pendingInputs.map(([arrival, u, measured]) => [arrival, u, measured, false]);
   }
 
@@ -182,7 +224,7 @@ function createLoop(setting) {
   function isAmongStarts() {
     const [low, high] = loop.tube(loop.t);
     const z = setting.order === 2 && loop.t > 0 ? loop.x.concat(loop.v.map((v, i) => v + data.filtered.lambda[i] * loop.x[i])) : loop.x;
-    return z.every((v, i) => Math.abs(2 * v - low[i] - high[i]) <= setting.proved.share * (high[i] - low[i]));
+    return z.every((v, i) => Math.abs(2 * v - low[i] - high[i]) <= setting.proved.start_share * (high[i] - low[i]));
   }
 
   /* Log an event when it begins; one that comes and goes quickly is logged once. */
@@ -222,7 +264,8 @@ function createLoop(setting) {
     loop.w = windUnder(conditions);
     const stateBefore = [...state()];
     const substeps = Math.max(4, Math.min(40, Math.ceil((conditions.period / data.t_c) * 4000)));
-    const begin = loop.t, h = conditions.period / substeps;
+    const begin = loop.t;
+    const h = conditions.period / substeps;
     lastPeriod = conditions.period;
     const end = begin + conditions.period;
     for (let t = begin, k = 1; t < end; ) {
@@ -239,15 +282,25 @@ function createLoop(setting) {
       loop.log.push([loop.t, "the state grows beyond numbers: the loop stops"]);
       return;
     }
-    if (loop.hand) for (const [i, value] of loop.hand) { loop.x[i] = value; if (loop.v) loop.v[i] = 0; }
+    for (const [i, value] of loop.hand || []) {
+      loop.x[i] = value;
+      if (loop.v) loop.v[i] = 0;
+    }
     loop.t = begin + conditions.period;
     takeSample(conditions, false);
     recordSample();
   };
   /* Hold the state at values of some dimensions, as [dimension, value] pairs. */
-  loop.hold = (coordinates) => { loop.hand = coordinates; recordTouch(); for (const [i, value] of coordinates) loop.x[i] = value; };
+  loop.hold = (coordinates) => {
+    loop.hand = coordinates;
+    recordTouch();
+    for (const [i, value] of coordinates) loop.x[i] = value;
+  };
   loop.release = () => { loop.hand = null; };
-  loop.shove = (i, by) => { loop.x[i] += by; recordTouch(); };
+  loop.shove = (i, by) => {
+    loop.x[i] += by;
+    recordTouch();
+  };
   const recordTouch = () => discardProof("a hand");
   return loop;
 }

@@ -139,13 +139,14 @@ function createDriver(setting) {
   const perTime = `${unit ? "/s" : " per s"}${setting.order === 2 ? "\u00b2" : ""}`;
   function showLimits() {
     const now = currentConditions();
-    const beyond = loop.beyond(now);
-    for (const name of ["rate", "wind", "latency", "noise"]) driveElement(name).closest("label").classList.toggle("beyond", name in beyond);
+    const exceeded = loop.exceededLimits(now);
+    for (const name of ["rate", "wind", "latency", "noise"]) driveElement(name).closest("label").classList.toggle("beyond", name in exceeded);
     const provedLimit = (v, text) => (proved ? `, proved: ${text(v)}` : "");
     driveElement("rate-now").textContent = `${formatNumber(1 / now.period)} a second${proved ? `, proved: ${formatNumber(roundUp(1 / proved.period))} or more` : ""}`;
     driveElement("wind-now").textContent = `${formatNumber(now.wind)}${unit}${perTime}${provedLimit(proved && proved.w, (v) => `up to ${formatNumber(roundDown(v))}`)}`;
     driveElement("latency-now").textContent = `${formatNumber(now.latency * 1000)} ms${provedLimit(proved && proved.latency, (v) => `up to ${formatNumber(roundDown(v * 1000))}`)}`;
-    driveElement("noise-now").textContent = `${formatNumber(now.noise)}${unit}${provedLimit(proved && proved.noise, (v) => `up to ${formatNumber(roundDown(v))}`)}`;
+    const noiseUnit = setting.x_noise_ratio ? unit : ` of v, ${unit ? `${unit.trim()}/s` : "per s"}`;
+    driveElement("noise-now").textContent = `${formatNumber(now.noise)}${noiseUnit}${provedLimit(proved && proved.noise, (v) => `up to ${formatNumber(roundDown(v))}`)}`;
     const [i, j] = now.plane;
     driveElement("angle-now").textContent = dimension > 1 ? `${driveElement("angle").value}\u00b0 from ${withoutUnit(data.axes[i])} to ${withoutUnit(data.axes[j])}` : `${driveElement("angle").value}\u00b0`;
     driveElement("angle").closest("label").hidden = now.kind !== "constant";

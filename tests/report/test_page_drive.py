@@ -22,7 +22,7 @@ from stt_codegen.loop.simulate import Loop, Scenario
 from stt_codegen.pipeline import build
 from stt_codegen.plants import plant_of
 from stt_codegen.report.figures.design_figures import design_report
-from stt_codegen.report.page.drive import compile_drive_module, default_plant, files_for_browser
+from stt_codegen.report.page.drive import SliderNoise, compile_drive_module, default_plant, files_for_browser, slider_noise
 from stt_codegen.report.page.evidence import evidence
 from stt_codegen.report.page.page import page
 from stt_codegen.report.page.scene import SAMPLES
@@ -279,6 +279,35 @@ def test_every_assumption_is_named_when_it_is_broken(browser: Any) -> None:
     body = """const reasons = []; for (const [name, value] of [["period", 1], ["latency", 1], ["noise", 1], ["wind", 100]]) {
     loop.begin(0); loop.step({ ...argument, [name]: value }); reasons.push(loop.unprovedReason.split(", ")[0]); } return reasons;"""
     assert run_loop(browser, "plain", body) == ["samples too rare", "delay", "noise", "wind"]
+
+
+@pytest.mark.parametrize(
+    ("noise", "noise_v", "slider"),
+    [
+        ("0.001", "0.02", SliderNoise(0.001, 1.0, 20.0)),
+        ("0.001", None, SliderNoise(0.001, 1.0, 0.0)),
+        (None, "0.02", SliderNoise(0.02, 0.0, 1.0)),
+        (None, None, SliderNoise(0.0, 1.0, 1.0)),
+    ],
+)
+def test_the_slider_of_noise_has_the_bounds_of_the_task(
+    noise: str | None, noise_v: str | None, slider: SliderNoise, browser: Any
+) -> None:
+    """At its proved value the slider draws errors of x and v up to [plant] noise and noise_v, also where only v has noise."""
+    task = controller_of_kind("three dimensions, order 2").task
+    changed = {"noise": noise and Fraction(noise), "noise_v": noise_v and Fraction(noise_v)}
+    assert slider_noise(task.model_copy(update={"plant": task.plant.model_copy(update=changed)})) == pytest.approx(slider)
+    body = f"""data.drive.x_noise_ratio = {slider.x_ratio}; data.drive.v_noise_ratio = {slider.v_ratio};
+    const errors = new Array(6).fill(0), control = loop.control;
+    loop.control = (t, measured) => {{
+      measured.forEach((value, k) => {{ errors[k] = Math.max(errors[k], Math.abs(value - [...loop.x, ...loop.v][k])); }});
+      return control(t, measured);
+    }};
+    many(300, {{ ...argument, noise: {slider.largest} }}); return errors;"""
+    errors = np.array(run_loop(browser, "three dimensions, order 2", body))
+    bounds = np.repeat([float(noise or 0), float(noise_v or 0)], 3)
+    assert (errors <= bounds * (1 + 1e-9)).all()
+    assert (errors >= 0.9 * bounds).all()
 
 
 def test_the_wind_has_the_stated_size_and_direction(browser: Any) -> None:

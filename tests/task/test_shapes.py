@@ -574,9 +574,10 @@ def is_collision(task: Task, point: Sequence[float]) -> bool:
     field, n, x = JudgedSets(task), task.dimension, np.array(point, dtype=float)
     box = np.array([[s * float(i == k) for k in range(n)] + [1e6] for i in range(n) for s in (-1, 1)])
     setting = LoopSetting(
-        n=n, sets=len(field.names), order=1, samples=0, parts=1, period=1.0, end=1.0, start=x.ctypes.data, walls=2 * n, goals=2 * n,
-        space=box.ctypes.data, target=box.ctypes.data, first=field.first.ctypes.data, faces=field.faces.ctypes.data,
-        radius=field.radius.ctypes.data, ends=field.ends.ctypes.data,
+        n=n, sets=len(field.names), order=1, samples=0, integration_steps=1, period=1.0, end=1.0, start=x.ctypes.data,
+        space_face_count=2 * n, target_face_count=2 * n,
+        space_faces=box.ctypes.data, target_faces=box.ctypes.data, face_range_starts=field.face_range_starts.ctypes.data, faces=field.faces.ctypes.data,
+        radius=field.radius.ctypes.data, segments=field.segments.ctypes.data,
     )  # fmt: skip
     verdict = LoopResult()
     driver(PLANTS["integrator"], n)(ctypes.byref(setting), None, None, None, ctypes.byref(verdict), None)

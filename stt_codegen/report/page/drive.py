@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from stt_codegen.decimals import by_component
 from stt_codegen.emit import adapter_source, driven_sources, plant_source
@@ -34,7 +34,7 @@ CFLAGS = (
 LDFLAGS = ("--no-entry", "--strip-all", "--allow-undefined", "-z", "stack-size=16384")
 EXPORTS = {
     "report_buffer_address", "loop_own_step", "loop_own_tube", "loop_own_margin", "loop_own_start", "loop_own_advance",
-    "loop_own_lag", "loop_plant",
+    "loop_own_waited_seconds", "loop_plant",
 }  # fmt: skip
 CLANG, LINKER = "clang", "wasm-ld"
 DEBIAN_PACKAGES = "clang lld"
@@ -138,6 +138,7 @@ def drive_settings(
 ) -> dict[str, Any]:
     """Return the data of the page's loop: the module, sizes, and what is proved for |w| <= w_max."""
     task = controller.task
+    noise = slider_noise(task)
     proved_period = None if sampling is None else sampling.at_this_gain
     proved = None
     if sampling is not None and proved_period is not None:
@@ -145,27 +146,49 @@ def drive_settings(
             "period": proved_period.period,
             "shortest": sampling.shortest,
             "latency": float(task.control.latency or 0),
-            "noise": float(task.plant.noise or 0),
+            "noise": noise.largest,
             "w": w_max,
-            "share": float(task.initial_set.share),
+            "start_share": float(task.initial_set.share),
         }
     return {
         "wasm": base64.b64encode(module.wasm).decode(),
         "order": task.order,
         "adaptive": controller.design.is_stateful,
-        "differs": task.uses_differences,
+        "uses_differences": task.uses_differences,
         "x": [float(v) for v in task.initial_state],
-        "noise_v": float(task.plant.noise_v or 0) / float(task.plant.noise) if task.plant.noise else 1.0,
+        "x_noise_ratio": noise.x_ratio,
+        "v_noise_ratio": noise.v_ratio,
         "constants": [(low + high) / 2 for low, high in plant.constants],
         "period": first_period(controller, proved_period),
         "proved": proved,
     }
 
 
-def first_period(controller: EmittedController, proved_period: ProvedPeriod | None) -> float:
-    """Return the sampling period, in seconds, with which the section begins: that of the task, else a proved one.
+class SliderNoise(NamedTuple):
+    """The noise that the page's slider sets: errors of x up to x_ratio times its value, and errors of v up to v_ratio times its
+    value.
 
-    The latter is so short that, of order 1, u at its clamp moves the state by less than the width of the tube.
+    largest: the value of the slider up to which the noise is within [plant].
+    """
+
+    largest: float
+    x_ratio: float
+    v_ratio: float
+
+
+def slider_noise(task: Task) -> SliderNoise:
+    """Return the noise of the page's slider, which is noise of x unless [plant] states noise of v alone."""
+    noise, noise_v = float(task.plant.noise or 0), float(task.plant.noise_v or 0)
+    if noise:
+        return SliderNoise(noise, 1.0, noise_v / noise)
+    return SliderNoise(noise_v, 0.0, 1.0) if noise_v else SliderNoise(0.0, 1.0, 1.0)
+
+
+def first_period(controller: EmittedController, proved_period: ProvedPeriod | None) -> float:
+    """Return the sampling period, in seconds, with which the section begins: that of the task, else one that is chosen here.
+
+    It is at most 0.01 s, a hundredth of t_c, and the proved period where there is one. Of order 1, without u_max and alpha, it is
+    also so short that u at its clamp moves the state by at most 0.8 of the tube's smallest width.
     """
     task = controller.task
     stated = task.control.period or task.emit.tick_period
