@@ -29,7 +29,7 @@ from brax.training.agents.ppo import networks, train
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from benchmarks.peers.policy import FAMILY, HERTZ, OBSERVATION_SIZE, SPEED, Policy, observe
+from benchmarks.peers.policy import DECISIONS_PER_SECOND, FAMILY, OBSERVATION_SIZE, SPEED, Policy, observe
 from benchmarks.suites.families import BOX, cubes, is_feasible
 
 FIRST_SEED = 100_000  # seeds of the arenas that are trained on; the benchmark has 0 to 499
@@ -39,7 +39,7 @@ CAUTION_COST = 6.0
 W_MAX = 0.3
 SUBSTEPS = 5  # states between two decisions at which collisions are checked
 T_C = FAMILY.prescribed_time
-EPISODE_STEPS = round(T_C * HERTZ)
+EPISODE_STEPS = round(T_C * DECISIONS_PER_SECOND)
 HIDDEN = (128, 128)
 
 
@@ -117,11 +117,11 @@ class ArenaEnvironment(Env):
         s["rng"], wind_key = jax.random.split(s["rng"])
         hit, before = jnp.zeros((), bool), self.remaining_length(s["arena"], x)
         for k in range(SUBSTEPS):
-            t = s["t"] + k / (HERTZ * SUBSTEPS)
-            x = x + (u + self.disturbance(s, x, t, boxes, wind_key)) / (HERTZ * SUBSTEPS)
+            t = s["t"] + k / (DECISIONS_PER_SECOND * SUBSTEPS)
+            x = x + (u + self.disturbance(s, x, t, boxes, wind_key)) / (DECISIONS_PER_SECOND * SUBSTEPS)
             hit |= jnp.any(distances(x, boxes) <= 0) | jnp.any((x < 0) | (x > FAMILY.side))
-        s["x"], s["t"] = x, s["t"] + 1 / HERTZ
-        is_over = s["t"] >= T_C - 0.5 / HERTZ
+        s["x"], s["t"] = x, s["t"] + 1 / DECISIONS_PER_SECOND
+        is_over = s["t"] >= T_C - 0.5 / DECISIONS_PER_SECOND
         reached = is_over & ~hit & jnp.all(x >= FAMILY.side - BOX)
         reward = before - self.remaining_length(s["arena"], x) + 10.0 * reached - 10.0 * hit
         done = (hit | is_over).astype(jnp.float32)

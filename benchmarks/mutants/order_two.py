@@ -26,7 +26,7 @@ from benchmarks.mutants.tubes import (
     change_entries,
     draw_change,
     draw_entry,
-    draw_slack,
+    draw_margin,
     floor_to_file,
     is_well_formed,
     repeat_row,
@@ -258,15 +258,15 @@ def with_start(base: BaseTube, **change: Any) -> Mutant:
     return Mutant(base.task.model_copy(update={"initial_set": base.task.initial_set.model_copy(update=change)}), base.design)
 
 
-def draw_claim_slack(rng: Random, base: BaseTube) -> Fraction:
-    """Draw a slack of table units, or of a part of the number 1, of either sign."""
-    return rng.choice((draw_slack(rng, base), Fraction(rng.choice((-1, 1)), 1 << rng.randint(1, 32))))
+def draw_claim_margin(rng: Random, base: BaseTube) -> Fraction:
+    """Draw a margin, in table units or as a part of 1, of either sign."""
+    return rng.choice((draw_margin(rng, base), Fraction(rng.choice((-1, 1)), 1 << rng.randint(1, 32))))
 
 
 def raise_start_speed(rng: Random, base: BaseTube) -> Mutant:
-    """Raise the speed of starts to its limit, less a slack; to the last digit where the limit has finitely many."""
+    """Raise the speed of starts to its limit minus a drawn margin; exactly to it if the limit has finitely many digits."""
     i = rng.randrange(base.task.dimension)
-    speed = largest_start_speeds(base.task, base.design)[i] - rng.choice((Fraction(0), draw_claim_slack(rng, base)))
+    speed = largest_start_speeds(base.task, base.design)[i] - rng.choice((Fraction(0), draw_claim_margin(rng, base)))
     divisor = speed.denominator
     is_decimal = divisor & (divisor - 1) == 0 or divisor in (5**j << k for j in range(4) for k in range(60))
     written = speed if is_decimal else floor_to_file(speed) + Fraction(rng.choice((0, 1)), 1 << 32)
@@ -274,12 +274,12 @@ def raise_start_speed(rng: Random, base: BaseTube) -> Mutant:
 
 
 def raise_start_share(rng: Random, base: BaseTube) -> Mutant:
-    """Let starts be nearer to the edges, up to where their speed takes z out of the filtered tube, less a slack."""
+    """Raise the start share to the largest one whose start speeds keep z in the filtered tube, minus a drawn margin."""
     i = rng.randrange(base.task.dimension)
     first, speed = spline_piece(base.design, 0, i), base.task.start_speed[i]
     low, high = (evaluate(first.time_derivative(p), Fraction(0)) for p in (first.lower, first.upper))
     excluded_share = 2 * (speed - min(-low, high)) / (first.lambda_ * evaluate(first.width, Fraction(0)))
-    return with_start(base, share=floor_to_file(1 - excluded_share) - draw_claim_slack(rng, base))
+    return with_start(base, share=floor_to_file(1 - excluded_share) - draw_claim_margin(rng, base))
 
 
 def _acceleration_margin(base: BaseTube, i: int) -> Fraction:
@@ -291,17 +291,17 @@ def _acceleration_margin(base: BaseTube, i: int) -> Fraction:
 
 
 def lower_input_limit(rng: Random, base: BaseTube) -> Mutant:
-    """Lower u_max of one component by its margin, more or less a slack."""
+    """Lower u_max of one component by its margin, plus or minus a drawn amount."""
     i = rng.randrange(base.task.dimension)
-    margin = _acceleration_margin(base, i) / (base.task.plant.g_min or 1) + draw_claim_slack(rng, base)
+    margin = _acceleration_margin(base, i) / (base.task.plant.g_min or 1) + draw_claim_margin(rng, base)
     u_max = tuple(floor_to_file(v - margin) if k == i else v for k, v in enumerate(base.task.u_max or ()))
     return Mutant(base.task.model_copy(update={"control": base.task.control.model_copy(update={"u_max": u_max})}), base.design)
 
 
 def worsen_plant(rng: Random, base: BaseTube) -> Mutant:
-    """Worsen one bound of the plant by the margin of a component, more or less a slack."""
+    """Worsen one bound of the plant by the margin of a component, plus or minus a drawn amount."""
     i = rng.randrange(base.task.dimension)
-    margin, plant = _acceleration_margin(base, i) - draw_claim_slack(rng, base), base.task.plant
+    margin, plant = _acceleration_margin(base, i) - draw_claim_margin(rng, base), base.task.plant
     limits = base.task.u_max or ()
     name = rng.choice(("f_max", "w_max", "g_min", "g_cross"))
     if name == "g_min":

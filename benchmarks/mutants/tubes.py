@@ -1,8 +1,9 @@
 """Mutants for `mutations.py`: certified tubes with a changed table, or their tasks made harder, by one random change each.
 
 A mutation draws where it changes something and by how much. Entries of tables change by 1 to 2^20 units, every magnitude alike.
-A demand of the task (a set, an unsafe set, the clearance, ..) is put where the tube has its exact extreme, less a slack that is
-often nothing or one unit. `draw_mutant` draws a mutation, a tube to start from, and the mutant. A mutant depends on the state of
+A requirement of the task (a set, an unsafe set, the clearance, ..) is changed to what the tube just meets, minus a drawn margin,
+which is often 0 or one table unit. With a negative margin the tube is unsafe. `draw_mutant` draws a mutation, a tube to start
+from, and the mutant. A mutant depends on the state of
 the random generator only, so the order of draws is part of the benchmark.
 """
 
@@ -50,11 +51,16 @@ ALL_BASE_NAMES = (*BOX_BASE_NAMES, *(f"{name} {seed}" for name, n in SHAPE_ARENA
 # Radii of target balls, as multiples of the smallest ball that holds the tube's end.
 RADIUS_FACTORS = (1, 1, *map(Fraction, ("1.003", "1.006", "1.05")))
 
-Edge = tuple[int, int]  # dimension, and LOWER or UPPER
+
+class EdgeIndex(NamedTuple):
+    """One of the 2 n edges of a tube. side: LOWER or UPPER."""
+
+    dimension: int
+    side: int
 
 
 class Mutant(NamedTuple):
-    """A task and a design that may be unsafe for it."""
+    """A task, and a design whose tube may violate the task."""
 
     task: Task
     design: RefinedDesign
@@ -111,15 +117,16 @@ def draw_change(rng: Random, bits: int) -> int:
     return rng.choice((-1, 1)) * round(2 ** rng.uniform(0, bits))
 
 
-def draw_slack(rng: Random, base: BaseTube) -> Fraction:
-    """Draw what a mutation leaves or, if negative, takes too much: often nothing or one table unit, sometimes a part of a
-    unit."""
+def draw_margin(rng: Random, base: BaseTube) -> Fraction:
+    """Draw the margin that a mutation leaves between tube and requirement: often 0 or one table unit, sometimes a part of a unit.
+
+    A negative margin makes the tube violate the requirement."""
     units = rng.choice((0, rng.choice((-1, 1)), *[draw_change(rng, 10)] * 5))
     return units * base.design.unit / rng.choice((1, 1, 1, 256))
 
 
-def draw_edge(rng: Random, base: BaseTube) -> Edge:
-    return rng.randrange(base.task.dimension), rng.choice((LOWER, UPPER))
+def draw_edge(rng: Random, base: BaseTube) -> EdgeIndex:
+    return EdgeIndex(rng.randrange(base.task.dimension), rng.choice((LOWER, UPPER)))
 
 
 def draw_entry(rng: Random, table: Any) -> tuple[int, int, int]:
@@ -138,7 +145,7 @@ def with_entry(values: Sequence[Fraction], i: int, value: Fraction) -> tuple[Fra
 
 
 def with_face(box: Any, i: int, side: int, face: Fraction) -> Any:
-    """Return a box with another face, whose sign is that of `signed_faces`."""
+    """Return a box with another face. face: for LOWER the lower edge on axis i, for UPPER minus the upper edge."""
     key, value = ("lower", face) if side == LOWER else ("upper", -face)
     return box.model_copy(update={key: with_entry(getattr(box, key), i, value)})
 
@@ -148,7 +155,7 @@ def with_task(base: BaseTube, **change: Any) -> Mutant:
     return Mutant(base.task.model_copy(update=change), base.design)
 
 
-def with_demand(base: BaseTube, **change: Any) -> Mutant:
+def with_tube_table(base: BaseTube, **change: Any) -> Mutant:
     """Return the base's tube for a task whose table `tube` is changed."""
     return with_task(base, tube=base.task.tube.model_copy(update=change))
 
@@ -179,7 +186,7 @@ def change_entries(rng: Random, table: Any, count_at_most: int) -> None:
 
 
 def swap_entries(rng: Random, table: Any) -> None:
-    """Swap two entries of one dimension, at most two rows apart, of one edge or of both."""
+    """Swap two entries of one dimension: at most two rows apart, and of the same edge or of opposite edges."""
     j, i, side = draw_entry(rng, table)
     second = min(j + rng.randint(0, 2), len(table) - 1), i, rng.choice((side, side, 1 - side))
     table[j, i, side], table[second] = table[second], table[j, i, side]
@@ -192,21 +199,21 @@ def shift_row(rng: Random, table: Any) -> None:
 
 
 def repeat_row(rng: Random, table: Any) -> None:
-    """Write a row over its neighbour."""
+    """Replace a row by a copy of its neighbour."""
     j = rng.randrange(1, len(table))
     target, source = rng.choice(((j, j - 1), (j - 1, j)))
     table[target] = table[source]
 
 
 def dent_edges(rng: Random, table: Any) -> None:
-    """Move entries inward, which mostly leaves a safe tube, with extremes inside its segments."""
+    """Move entries toward the middle of the tube. The tube mostly stays safe, and its edges get extremes inside segments."""
     for _ in range(rng.randint(1, 4)):
         j, i, side = rng.randrange(3, len(table) - 3), *draw_entry(rng, table)[1:]
         table[j, i, side] += abs(draw_change(rng, 17)) * (1 if side == LOWER else -1)
 
 
 def move_end(rng: Random, table: Any, rows: Sequence[int]) -> None:
-    """Move an edge in these rows by one amount."""
+    """Move one edge by the same amount in each of these rows."""
     _, i, side = draw_entry(rng, table)
     table[rows, i, side] += draw_change(rng, 10)
 
@@ -242,57 +249,63 @@ def _move_or_grow_shape(rng: Random, obstacle: Any, i: int, by: Fraction) -> Any
     return obstacle.model_copy(update={"centre": with_entry(obstacle.centre, i, obstacle.centre[i] + by)})
 
 
-def _with_box_beside(rng: Random, base: BaseTube, segment: int, s: Fraction, *, edges: Sequence[Edge], size_bits: int) -> Mutant:
-    """Add an unsafe box that all but touches these edges of the tube at s of a segment, with a drawn slack each. On the other
-    axes it overlaps the tube. It is up to 2^size_bits units larger."""
+def _with_box_beside(
+    rng: Random, base: BaseTube, segment: int, s: Fraction, *, touched_edges: Sequence[EdgeIndex], size_bits: int
+) -> Mutant:
+    """Add an unsafe box whose distance from each touched edge, at s of a segment, is the required one plus a drawn margin.
+
+    On the axes without a touched edge it overlaps the tube. It is up to 2^size_bits units larger than that."""
     faces = []
     for i, cubics in enumerate(signed_edges(base.design)[segment].tolist()):
-        at = [floor_to_file(sum(a * s**p for p, a in enumerate(cubic)) * base.design.unit) for cubic in cubics]
+        signed_ends = [floor_to_file(sum(a * s**p for p, a in enumerate(cubic)) * base.design.unit) for cubic in cubics]
         sizes = [abs(draw_change(rng, size_bits)) * base.design.unit for _ in range(2)]
-        pair = [at[LOWER] - sizes[0], -at[UPPER] + sizes[1]]
-        for side in [side for axis, side in edges if axis == i]:
-            near = at[side] - base.body[i] - base.task.tube.clearance - draw_slack(rng, base)
-            pair = [near - sizes[0], near] if side == LOWER else [-near, -near + sizes[0]]
+        pair = [signed_ends[LOWER] - sizes[0], -signed_ends[UPPER] + sizes[1]]
+        for side in [side for axis, side in touched_edges if axis == i]:
+            near_face = signed_ends[side] - base.body[i] - base.task.tube.clearance - draw_margin(rng, base)
+            pair = [near_face - sizes[0], near_face] if side == LOWER else [-near_face, -near_face + sizes[0]]
         faces.append(pair)
     lower, upper = zip(*faces, strict=True)
     return with_obstacle(base, UnsafeSet(name="added", lower=lower, upper=upper))
 
 
 def add_box_at_extreme(rng: Random, base: BaseTube) -> Mutant:
-    """Add an unsafe box before the extreme of one edge over some segments."""
-    (i, side), last = draw_edge(rng, base), base.design.segments - 1
-    k, reach = rng.choice((0, last, *[rng.randint(0, last)] * 4)), rng.choice((0, 1, 4, 64))
-    first = max(0, k - reach)
-    extreme = smallest_value(signed_edges(base.design)[first : k + reach + 1, i, side])
+    """Add an unsafe box beside an edge of the tube, at the outermost point that the edge reaches over some segments."""
+    edge, last_segment = draw_edge(rng, base), base.design.segments - 1
+    k = rng.choice((0, last_segment, *[rng.randint(0, last_segment)] * 4))
+    neighbours = rng.choice((0, 1, 4, 64))
+    first_segment = max(0, k - neighbours)
+    extreme = smallest_value(signed_edges(base.design)[first_segment : k + neighbours + 1, edge.dimension, edge.side])
     size_bits = rng.choice((4, 12, 20))
-    return _with_box_beside(rng, base, first + extreme.cubic, extreme.s, edges=[(i, side)], size_bits=size_bits)
+    segment = first_segment + extreme.cubic
+    return _with_box_beside(rng, base, segment, extreme.s, touched_edges=[edge], size_bits=size_bits)
 
 
 def add_box_in_corner(rng: Random, base: BaseTube) -> Mutant:
-    """Add an unsafe box whose corner the tube rounds: as one dimension leaves it another arrives, without slack at the same s."""
+    """Add an unsafe box whose corner the tube rounds: at one s an edge moves toward the box, and an edge of another dimension
+    moves away from it."""
     k, s = rng.randrange(base.design.segments), Fraction(rng.randint(0, 8), 8)
     slopes = {
-        (i, side): a + 2 * c * s + 3 * d * s * s
+        EdgeIndex(i, side): linear + 2 * quadratic * s + 3 * cubic * s * s
         for i, pair in enumerate(signed_edges(base.design)[k].tolist())
-        for side, (_, a, c, d) in enumerate(pair)
+        for side, (_, linear, quadratic, cubic) in enumerate(pair)
     }
     arriving = rng.choice([edge for edge, slope in slopes.items() if slope < 0])
-    leaving = rng.choice([edge for edge, slope in slopes.items() if slope > 0 and edge[0] != arriving[0]])
-    return _with_box_beside(rng, base, k, s, edges=[arriving, leaving], size_bits=rng.choice((8, 20)))
+    leaving = rng.choice([edge for edge, slope in slopes.items() if slope > 0 and edge.dimension != arriving.dimension])
+    return _with_box_beside(rng, base, k, s, touched_edges=[arriving, leaving], size_bits=rng.choice((8, 20)))
 
 
 def add_box_anywhere(rng: Random, base: BaseTube) -> Mutant:
     """Add an unsafe box of any size, thin ones too, beside the tube at any time."""
-    edges = [(i, rng.randrange(2)) for i in rng.sample(range(base.task.dimension), rng.randint(1, 2))]
+    touched_edges = [EdgeIndex(i, rng.randrange(2)) for i in rng.sample(range(base.task.dimension), rng.randint(1, 2))]
     k, s = rng.randrange(base.design.segments), Fraction(rng.randint(0, 8), 8)
-    return _with_box_beside(rng, base, k, s, edges=edges, size_bits=rng.choice((1, 20)))
+    return _with_box_beside(rng, base, k, s, touched_edges=touched_edges, size_bits=rng.choice((1, 20)))
 
 
 # ------------------------------------------------------------------------------------------------ harder tasks: shapes
 
 
 def _draw_axes(rng: Random, base: BaseTube) -> list[int]:
-    """Draw the axes that a new set bounds: two or three, or all."""
+    """Draw the indices of the axes that a new set bounds: two or three, or all axes of a task with fewer."""
     n = base.task.dimension
     d = min(n, rng.choice((2, 2, 3)))
     return sorted(rng.sample(range(n), d))
@@ -305,8 +318,9 @@ def _axis_names(base: BaseTube, axes: Sequence[int]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class _TouchedCorner:
-    """A corner of the tube's box, grown by body and clearance less a slack, and an outward normal of a plane through it, on some
-    axes. names: of the axes, None where they are all."""
+    """A corner of the tube's box at one time, and an outward normal of a plane through the corner, on some axes.
+
+    The box is grown by body and clearance, and shrunk by a drawn margin. names: of the axes; None if they are all axes."""
 
     axes: list[int]
     names: tuple[str, ...] | None
@@ -321,36 +335,38 @@ class _TouchedCorner:
         """Draw a point up to `reach` away from the corner, in the plane or beyond it."""
         step = [rng.uniform(-reach, reach) for _ in self.outward]
         along = sum(v * w for v, w in zip(step, self.outward, strict=True)) / self.length**2
-        wanted = rng.choice((0.0, abs(along)))
+        correction = rng.choice((0.0, abs(along))) - along  # puts the point in the plane or beyond it; in multiples of the normal
         return tuple(
-            floor_to_file(c + Fraction(v + (wanted - along) * w)) for c, v, w in zip(self.corner, step, self.outward, strict=True)
+            floor_to_file(c + Fraction(v + correction * w)) for c, v, w in zip(self.corner, step, self.outward, strict=True)
         )
 
 
 def _draw_touched_corner(rng: Random, base: BaseTube) -> _TouchedCorner:
-    """Draw a corner of the tube: mostly where the tube is farthest along the normal, so that a set beyond the plane meets it
-    nowhere else."""
+    """Draw a corner of the tube, mostly at the time at which the tube reaches farthest along the normal.
+
+    Then a set beyond the plane cannot meet the tube at another time."""
     n, k, s = base.task.dimension, rng.randrange(base.design.segments), Fraction(rng.randint(0, 8), 8)
     axes = _draw_axes(rng, base)
     signs, sizes = [rng.choice((-1, 1)) for _ in axes], [rng.randint(0, 9) for _ in axes]
     sizes[rng.randrange(len(axes))] = rng.randint(1, 9)
-    outward, distance = [v * w for v, w in zip(signs, sizes, strict=True)], base.task.tube.clearance - draw_slack(rng, base)
+    outward, distance = [v * w for v, w in zip(signs, sizes, strict=True)], base.task.tube.clearance - draw_margin(rng, base)
     sides = [(i, UPPER if sign > 0 else LOWER) for i, sign in zip(axes, signs, strict=True)]
     edges = signed_edges(base.design)
     if rng.random() < 0.8:
-        inward = sum(v * edges[:, i, side] for v, (i, side) in zip(sizes, sides, strict=True))
-        k, s, _ = smallest_value(inward[j] for j in range(len(edges)))
+        minus_height = sum(v * edges[:, i, side] for v, (i, side) in zip(sizes, sides, strict=True))
+        k, s, _ = smallest_value(minus_height[j] for j in range(len(edges)))
         s = Fraction(round(s * 64), 64)
     corner = []
     for (i, side), sign in zip(sides, signs, strict=True):
-        at = floor_to_file(sum(int(a) * s**p for p, a in enumerate(edges[k, i, side])) * base.design.unit)
-        corner.append((-at if side == UPPER else at) + sign * (base.body[i] + distance))
+        signed_end = floor_to_file(sum(int(a) * s**p for p, a in enumerate(edges[k, i, side])) * base.design.unit)
+        corner.append((-signed_end if side == UPPER else signed_end) + sign * (base.body[i] + distance))
     return _TouchedCorner(axes, None if len(axes) == n else _axis_names(base, axes), corner, outward)
 
 
 def add_shape_beside(rng: Random, base: BaseTube, shape: str) -> Mutant:
-    """Add a ball, capsule, polytope or half-spaces that all but touch the tube: the set is beyond a plane through a corner of the
-    tube's box, and one point of it is in the plane, but for the drawn slack."""
+    """Add a ball, capsule, polytope or half-spaces whose distance from the tube is the required one plus a drawn margin.
+
+    The set is beyond a plane through the touched corner, and one point of the set is in the plane."""
     touched = _draw_touched_corner(rng, base)
     size = rng.choice((0.01, 0.3, 2.0))
     radius = floor_to_file(Fraction(rng.uniform(0.1, 1) * size)) + Fraction(1, 1 << 32)
@@ -375,7 +391,7 @@ def add_shape_beside(rng: Random, base: BaseTube, shape: str) -> Mutant:
 
 
 def _draw_half_spaces(rng: Random, touched: _TouchedCorner) -> UnsafeHalfSpaces:
-    """Draw the set beyond the plane, cut by up to three half-spaces that hold the corner."""
+    """Draw the set beyond the plane, cut by up to three half-spaces that contain the corner."""
 
     def at_corner(normal: Sequence[Any]) -> Fraction:
         return sum((v * c for v, c in zip(normal, touched.corner, strict=True)), Fraction(0))
@@ -388,30 +404,33 @@ def _draw_half_spaces(rng: Random, touched: _TouchedCorner) -> UnsafeHalfSpaces:
 
 
 def make_target_ball(rng: Random, base: BaseTube) -> Mutant:
-    """Make the target a ball with a corner of the tube's end on it, but for the drawn slack; or a little larger."""
+    """Make the target a ball about a drawn centre. Its radius is the smallest that contains the tube's end, or slightly larger,
+    minus a drawn margin."""
     axes = _draw_axes(rng, base)
     edges = signed_edges(base.design)
     last = [[int(edges[-1, i, side].sum()) * base.design.unit for side in (LOWER, UPPER)] for i in axes]
     centre = tuple(floor_to_file(Fraction(rng.uniform(float(low), -float(high)))) for low, high in last)
     farthest = math.sqrt(sum(max(c - low, -high - c) ** 2 for c, (low, high) in zip(centre, last, strict=True)))
-    radius = floor_to_file(Fraction(farthest) * rng.choice(RADIUS_FACTORS) - draw_slack(rng, base))
+    radius = floor_to_file(Fraction(farthest) * rng.choice(RADIUS_FACTORS) - draw_margin(rng, base))
     return with_task(base, target_set=Target(axes=_axis_names(base, axes), centre=centre, radius=radius))
 
 
 def cut_region(rng: Random, base: BaseTube, as_hull: bool) -> Mutant:
-    """Cut state space or target by a half-space that the tube all but touches, or by a hull that has it as a face."""
+    """Cut state space or target along a plane that the tube touches but for a drawn margin.
+
+    as_hull: the cut is a polytope with that plane as a face; otherwise it is a half-space."""
     axes = _draw_axes(rng, base)
     edges = signed_edges(base.design)
     name = rng.choice(("state_space", "target_set"))
     outward = [rng.randint(-9, 9) for _ in axes]
     outward[rng.randrange(len(axes))] = rng.choice((-1, 1)) * rng.randint(1, 9)
     sides = [(i, UPPER if v > 0 else LOWER) for i, v in zip(axes, outward, strict=True)]
-    inward = sum(abs(v) * edges[:, i, side] for v, (i, side) in zip(outward, sides, strict=True))
-    extreme, body = Fraction(int(inward[-1].sum())), Fraction(0)
+    minus_height = sum(abs(v) * edges[:, i, side] for v, (i, side) in zip(outward, sides, strict=True))
+    extreme, body = Fraction(int(minus_height[-1].sum())), Fraction(0)
     if name == "state_space":
-        extreme = smallest_value(inward).value
+        extreme = smallest_value(minus_height).value
         body = sum((abs(v) * base.body[i] for i, v in zip(axes, outward, strict=True)), Fraction(0))
-    offset = floor_to_file(body - extreme * base.design.unit) - draw_slack(rng, base)
+    offset = floor_to_file(body - extreme * base.design.unit) - draw_margin(rng, base)
     region = getattr(base.task, name)
     cut: dict[str, Any] = {"axes": _axis_names(base, axes)}
     if as_hull:
@@ -423,7 +442,7 @@ def cut_region(rng: Random, base: BaseTube, as_hull: bool) -> Mutant:
 
 
 def _cut_corners(corners: Sequence[tuple[Fraction, ...]], normal: Sequence[int], offset: Fraction) -> tuple[Any, ...]:
-    """Move corners beyond a plane onto it, along the axis of the normal's largest component."""
+    """Return the corners; those beyond the plane are moved onto it, along the axis of the normal's largest component."""
     k = max(range(len(normal)), key=lambda i: abs(normal[i]))
     points = []
     for corner in corners:
@@ -435,8 +454,8 @@ def _cut_corners(corners: Sequence[tuple[Fraction, ...]], normal: Sequence[int],
 def add_timed_set(rng: Random, base: BaseTube, feature: str) -> Mutant:
     """Add a set beside the tube as `add_shape_beside` does, which moves, grows, or has an active interval or timing uncertainty.
 
-    At one time it all but touches the tube, before and after it is elsewhere; sometimes it stands still. feature: "motion",
-    "window", "timing" or "spread"."""
+    At one time it is where `add_shape_beside` puts it; before and after that it is elsewhere. Sometimes it stands still.
+    feature: "motion", "window", "timing" or "spread"."""
     task, _ = add_shape_beside(rng, base, rng.choice(("ball", "polytope", "capsule")))
     added: Any = task.unsafe[-1]
     t_c, d = task.prescribed_time, len(added.axes or task.axis_names)
@@ -463,49 +482,50 @@ def add_timed_set(rng: Random, base: BaseTube, feature: str) -> Mutant:
     return Mutant(task.model_copy(update={"unsafe": unsafe, "start_delay": start_delay}), base.design)
 
 
-# ------------------------------------------------------------------------------------------------ harder tasks: demands
+# ----------------------------------------------------------------------------------------------- harder tasks: other requirements
 
 
 def move_set_face(rng: Random, base: BaseTube) -> Mutant:
     """Put a face of start, target or state space where the tube has its extreme."""
     (i, side), name = draw_edge(rng, base), rng.choice(("initial_set", "target_set", "state_space"))
-    edge = signed_edges(base.design)[:, i, side]
-    extreme, body = Fraction(int(edge[0, 0] if name == "initial_set" else edge[-1].sum())), Fraction(0)
+    cubics = signed_edges(base.design)[:, i, side]
+    extreme, body = Fraction(int(cubics[0, 0] if name == "initial_set" else cubics[-1].sum())), Fraction(0)
     if name == "state_space":
-        extreme, body = smallest_value(edge).value, base.body[i]
-    face = floor_to_file(extreme * base.design.unit) - body - draw_slack(rng, base)
+        extreme, body = smallest_value(cubics).value, base.body[i]
+    face = floor_to_file(extreme * base.design.unit) - body - draw_margin(rng, base)
     return with_task(base, **{name: with_face(getattr(base.task, name), i, side, face)})
 
 
 def move_initial_state(rng: Random, base: BaseTube) -> Mutant:
-    """Put the initial state on an edge of the tube, but for the drawn slack."""
+    """Put the initial state inside an edge of the tube, at the distance of a drawn margin."""
     i, side = draw_edge(rng, base)
-    edge = int(signed_edges(base.design)[0, i, side, 0]) * base.design.unit + draw_slack(rng, base)
-    return with_task(base, initial_state=with_entry(base.task.initial_state, i, edge if side == LOWER else -edge))
+    signed_value = int(signed_edges(base.design)[0, i, side, 0]) * base.design.unit + draw_margin(rng, base)
+    value = signed_value if side == LOWER else -signed_value
+    return with_task(base, initial_state=with_entry(base.task.initial_state, i, value))
 
 
 def raise_clearance(rng: Random, base: BaseTube) -> Mutant:
-    return with_demand(base, clearance=floor_to_file(base.task.tube.clearance + base.margins["P4"] - draw_slack(rng, base)))
+    return with_tube_table(base, clearance=floor_to_file(base.task.tube.clearance + base.margins["P4"] - draw_margin(rng, base)))
 
 
 def raise_min_width(rng: Random, base: BaseTube) -> Mutant:
     smallest_width = smallest_value(-signed_edges(base.design).sum(axis=2).reshape(-1, 4)).value
-    return with_demand(base, min_width=floor_to_file(smallest_width * base.design.unit) - draw_slack(rng, base))
+    return with_tube_table(base, min_width=floor_to_file(smallest_width * base.design.unit) - draw_margin(rng, base))
 
 
 def grow_body(rng: Random, base: BaseTube) -> Mutant:
-    """Grow the body on one axis by the smaller margin of P3 and P4, less the drawn slack."""
+    """Grow the body on one axis by the smaller margin of P3 and P4, minus a drawn margin."""
     i = rng.randrange(base.task.dimension)
     margin = min(base.margins["P3"], base.margins["P4"])
-    return with_task(base, body=with_entry(base.body, i, floor_to_file(base.body[i] + margin - draw_slack(rng, base))))
+    return with_task(base, body=with_entry(base.body, i, floor_to_file(base.body[i] + margin - draw_margin(rng, base))))
 
 
 def bound_speed(rng: Random, base: BaseTube) -> Mutant:
-    return with_demand(base, max_speed=_draw_derivative_bound(rng, base, 1))
+    return with_tube_table(base, max_speed=_draw_derivative_bound(rng, base, 1))
 
 
 def bound_acceleration(rng: Random, base: BaseTube) -> Mutant:
-    return with_demand(base, max_acceleration=_draw_derivative_bound(rng, base, 2))
+    return with_tube_table(base, max_acceleration=_draw_derivative_bound(rng, base, 2))
 
 
 def _draw_derivative_bound(rng: Random, base: BaseTube, order: int) -> Fraction | tuple[Fraction, ...]:
@@ -522,7 +542,7 @@ def _draw_derivative_bound(rng: Random, base: BaseTube, order: int) -> Fraction 
 
 
 def dent_then_harden(rng: Random, base: BaseTube) -> Mutant:
-    """Dent the tube, then put a demand at its extreme."""
+    """Dent the tube, then change a requirement to what the dented tube just meets."""
     dented = replace(base, design=table_mutation(dent_edges)(rng, base).design)
     return rng.choice((add_box_at_extreme, add_box_in_corner, move_set_face, raise_min_width))(rng, dented)
 
@@ -573,8 +593,8 @@ def draw_mutant(
 ) -> DrawnMutant:
     """Draw a mutation of these kinds, a base of these names, and a well-formed mutant.
 
-    Mutants are drawn again where a box has turned over, a coefficient is too long, or a step needs more bits than integers
-    have."""
+    A mutant is drawn again if its task is not well-formed (a box with lower > upper, for instance), if a coefficient does not fit
+    the table's format, or if a statement of a controller in integers needs more bits than its integers have."""
     kind = rng.choice(list(kinds))
     for _ in range(1000):
         name, scalar = rng.choice(names), rng.choice(scalars)
@@ -588,8 +608,8 @@ def draw_mutant(
 
 
 def is_well_formed(task: Task) -> bool:
-    """Whether a task file may say this: sets that are not empty, sizes above 0. Raises ValueError where an unsafe set is outside
-    the state space."""
+    """Return whether a task file may state this: no set is empty, and sizes are positive. Raises ValueError if an unsafe set is
+    outside the state space."""
     boxes = [task.state_space, task.initial_set, *([task.target_set] if task.target_set.lower else [])]
     if task.state_space.problem() or task.target_set.problem():
         return False

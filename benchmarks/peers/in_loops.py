@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks.peers.barrier import filter_library
 from benchmarks.peers.driven import compile_peer, seconds_a_step
 from benchmarks.peers.funnels import funnel
-from benchmarks.peers.policy import HERTZ, Policy, load_policy
+from benchmarks.peers.policy import DECISIONS_PER_SECOND, Policy, load_policy
 from benchmarks.peers.predictive import predictive
 from benchmarks.peers.symbolic import Abstraction, synthesize
 from benchmarks.suites.families import BOX, FAMILIES, Array, Family, arena_task, cubes
@@ -85,7 +85,7 @@ class Contender:
     advantages: str
     arena_limit: int | None = None
     has_tube: bool = False
-    period: float = 1 / HERTZ
+    period: float = 1 / DECISIONS_PER_SECOND
 
 
 # ------------------------------------------------------------------------------------------------ a function for each contender
@@ -140,7 +140,7 @@ def _prepare_grid(abstraction: Abstraction, arena: LoopArena) -> PreparedLoop | 
 
 
 def _prepare_policy(path: Path, arena: LoopArena) -> PreparedLoop | None:
-    return arena.prepare(compile_peer(_cached_policy(path).source(arena.squares), 2, HERTZ, arena.tube))
+    return arena.prepare(compile_peer(_cached_policy(path).source(arena.squares), 2, DECISIONS_PER_SECOND, arena.tube))
 
 
 @cache
@@ -154,7 +154,7 @@ def run_policy(policy: Policy, family: Family, seed: int) -> tuple[tuple[Run, ..
     controller = build_task(task, uncertified=True)  # gives the sets, and the tube from whose middle "outward" winds blow
     plant = with_disturbance_bound(PLANTS["integrator"], W_MAX)
     edges = load_controller(controller).tube
-    loop = Loop(controller, plant, compile_peer(policy.source(cubes(family, seed)), 2, HERTZ, edges))
+    loop = Loop(controller, plant, compile_peer(policy.source(cubes(family, seed)), 2, DECISIONS_PER_SECOND, edges))
     box = [(Fraction(0), Fraction(BOX))] * 2
     runs = [
         loop.run(

@@ -20,29 +20,31 @@ from stt_codegen.program.targets.template_files import template
 Array = npt.NDArray[Any]
 FAMILY = FAMILIES["paper"]
 RAY_COUNT = 16
-HERTZ = 20  # decisions a second, in training and in the loops; an input is held between two
+DECISIONS_PER_SECOND = 20  # in training and in the loops; an input is held between two decisions
 SPEED = 1.0  # bound of |u_i|, as for the other peers
-ANGLES = (np.arange(RAY_COUNT) + 0.5) * (2 * np.pi / RAY_COUNT)  # no ray is along an axis
-DIRECTIONS = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=1)
+RAY_ANGLES = (np.arange(RAY_COUNT) + 0.5) * (2 * np.pi / RAY_COUNT)  # no ray is along an axis
+RAY_DIRECTIONS = np.stack([np.cos(RAY_ANGLES), np.sin(RAY_ANGLES)], axis=1)
 OBSERVATION_SIZE = 5 + 2 * FAMILY.count + RAY_COUNT
 
 
 def observe(xp: Any, x: Any, t: Any, boxes: Any) -> Any:
     """Return the observation of the policy at one state, (OBSERVATION_SIZE,).
 
-    xp: numpy or jax.numpy; x: (2,); boxes: lower and upper edges, (count, 2, 2). In units of the side of the state space and of
-    t_c it has x, the way to the target's middle, t, the way to the middles of the squares, nearest first, and the lengths of the
-    rays.
+    xp: numpy or jax.numpy; x: (2,); boxes: the unsafe squares, (count, 2, 2), by square, axis, and lower or upper edge.
+
+    The observation has five parts: x, the vector from x to the centre of the target, t, the vectors from x to the centres of the
+    squares (the nearest square first), and the lengths of the rays. Its unit of length is the side of the state space, and its
+    unit of time is t_c.
     """
     side = FAMILY.side
     distance = xp.max(xp.maximum(boxes[..., 0] - x, x - boxes[..., 1]), axis=-1)
-    middles = (xp.mean(boxes, axis=-1) - x)[xp.argsort(distance)]
-    way = side - BOX / 2 - x
+    vectors_to_squares = (xp.mean(boxes, axis=-1) - x)[xp.argsort(distance)]
+    vector_to_target = side - BOX / 2 - x
     parts = [
         x / side,
-        way / side,
+        vector_to_target / side,
         xp.reshape(t / FAMILY.prescribed_time, (1,)),
-        xp.ravel(middles) / side,
+        xp.ravel(vectors_to_squares) / side,
         ray_lengths(xp, x, boxes) / side,
     ]
     return xp.concatenate(parts)
@@ -50,7 +52,7 @@ def observe(xp: Any, x: Any, t: Any, boxes: Any) -> Any:
 
 def ray_lengths(xp: Any, x: Any, boxes: Any) -> Any:
     """Return the distance along every ray from x to the first square or wall, (RAY_COUNT,)."""
-    directions = xp.asarray(DIRECTIONS)[:, None, :]
+    directions = xp.asarray(RAY_DIRECTIONS)[:, None, :]
     ends = [(boxes[None, ..., k] - x) / directions for k in (0, 1)]
     near, far = xp.max(xp.minimum(*ends), axis=-1), xp.min(xp.maximum(*ends), axis=-1)
     hits = xp.where((near < far) & (far > 0), xp.maximum(near, 0), xp.inf)
@@ -60,17 +62,18 @@ def ray_lengths(xp: Any, x: Any, boxes: Any) -> Any:
 
 @dataclass(frozen=True)
 class Policy:
-    """A trained policy: a network whose observations are shifted and scaled, with SiLU between its layers; u is SPEED times the
-    hyperbolic tangent of the first half of its outputs.
+    """A trained policy: a network with SiLU between its layers, from the observation minus `shift`, divided by `scale`, to u.
 
-    layers: matrices (in, out) with biases; trained: seconds of training; steps: of the plant, in training."""
+    The network has four outputs: PPO trains a normal distribution of each input, by its mean and its spread. u is SPEED times the
+    hyperbolic tangent of the two means. layers: matrices (in, out) with biases; training_steps: decisions of the policy in
+    training."""
 
     shift: Array
     scale: Array
     layers: tuple[tuple[Array, Array], ...]
     seed: int
-    trained: float
-    steps: int
+    training_seconds: float
+    training_steps: int
 
     def __call__(self, x: Array, t: float, boxes: Array) -> Array:
         """Return u, (2,)."""
@@ -88,8 +91,8 @@ class Policy:
             return [numbers(v) if np.ndim(v) else _literal(float(v)) for v in values]
 
         return template("bench/policy.c.j2").render(
-            side=FAMILY.side, t_c=FAMILY.prescribed_time, half_goal=BOX / 2, speed=SPEED, seen=OBSERVATION_SIZE,
-            rays=numbers(DIRECTIONS),
+            side=FAMILY.side, t_c=FAMILY.prescribed_time, half_target=BOX / 2, speed=SPEED, observation_size=OBSERVATION_SIZE,
+            rays=numbers(RAY_DIRECTIONS),
             layers=[(numbers(w), numbers(b)) for w, b in self.layers], shift=numbers(self.shift), scale=numbers(self.scale),
             boxes=numbers(boxes), widest=max(OBSERVATION_SIZE, *(len(b) for _, b in self.layers)),
         )  # fmt: skip
@@ -100,7 +103,8 @@ class Policy:
         layers = {
             f"{name}{k}": v for k, layer in enumerate(self.layers) for name, v in zip(("weights", "bias"), layer, strict=True)
         }
-        training = {"seed": self.seed, "trained": self.trained, "steps": self.steps}
+        # the keys of stored files: those of earlier trainings stay readable
+        training = {"seed": self.seed, "trained": self.training_seconds, "steps": self.training_steps}
         np.savez(path, allow_pickle=False, shift=self.shift, scale=self.scale, **layers, **training)
 
 

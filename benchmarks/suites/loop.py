@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from benchmarks.peers.driven import seconds_a_step
 from benchmarks.peers.in_loops import DISTURBANCES, POLICIES, LoopArena, all_contenders
-from benchmarks.peers.policy import HERTZ
+from benchmarks.peers.policy import DECISIONS_PER_SECOND
 from benchmarks.suites.families import FAMILIES, arena_task
 from benchmarks.suites.report import number
 from stt_codegen.errors import NotCertified
@@ -127,7 +127,7 @@ def _peer_runs(job: LoopJob, ours: Loop, scenarios: Sequence[Scenario]) -> tuple
     """Run the same scenarios with every peer. Return the runs, and seconds a step, by name."""
     if not job.peers:
         return {}, {}
-    runs, steps = {}, {"own": seconds_a_step(ours.loaded, _undisturbed_states(ours, 1 / HERTZ))}
+    runs, steps = {}, {"own": seconds_a_step(ours.loaded, _undisturbed_states(ours, 1 / DECISIONS_PER_SECOND))}
     for contender in all_contenders(job.policies):
         if contender.arena_limit is not None and job.seed >= contender.arena_limit:
             continue

@@ -112,7 +112,7 @@ def table_i(outcomes: dict[str, list[PeerOutcome]], tubes: Sequence[Any], polici
 
 def _training(name: str, policies: Path) -> str:
     seed = name.rsplit(" ", 1)[1]
-    return f"{load_policy(policies / f'policy_{seed}.npz').trained / 60:.0f} min"
+    return f"{load_policy(policies / f'policy_{seed}.npz').training_seconds / 60:.0f} min"
 
 
 def feasibility_sentence(count: int) -> str:

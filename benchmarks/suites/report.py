@@ -27,10 +27,15 @@ def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """Return the value with `digits` significant digits; a dash for NaN and infinity."""
+    """Return the value with `digits` significant digits, or to the whole number if that has more; a dash for NaN and infinity.
+
+    >>> number(0.12345), number(999.9), number(12345.6)
+    ('0.123', '1000', '12346')
+    """
     if not math.isfinite(value):
         return "-"
-    return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if abs(float(text)) >= 10**digits else text
 
 
 def machine() -> str:
@@ -48,7 +53,7 @@ PEERS = ("brax", "clarabel", "drake", "fastpathplanning", "highspy", "hj-reachab
 
 
 def versions() -> str:
-    """Return "; name version" for every peer that is installed."""
+    """Return "; name version" for every installed package of PEERS."""
     texts = []
     for name in PEERS:
         with contextlib.suppress(metadata.PackageNotFoundError):
@@ -63,15 +68,17 @@ def command() -> str:
 
 
 def record(path: Path, section: str, text: str) -> None:
-    """Replace the file's section of that name by `text`; the other sections stay. Raises BadInput for an unusable file."""
+    """Replace the file's section of that name by `text`, or append the section. The other sections stay.
+
+    Raises BadInput for a file that cannot be read or written."""
     begin, end = f"<!-- {section} -->", f"<!-- end of {section} -->"
     block = f"{begin}\n{text.strip()}\n{end}\n"
     try:
         old = path.read_text(encoding="utf-8") if path.exists() else "# Measured\n"
         if begin in old:
             rest = old[old.index(begin) + len(begin) :]
-            after = rest[rest.index(end) + len(end) :] if end in rest else ""
-            new = old[: old.index(begin)] + block + after.lstrip("\n")
+            later_sections = rest[rest.index(end) + len(end) :] if end in rest else ""
+            new = old[: old.index(begin)] + block + later_sections.lstrip("\n")
         else:
             new = old.rstrip("\n") + "\n\n" + block
         partial = path.with_name(path.name + ".new")

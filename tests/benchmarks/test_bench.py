@@ -15,7 +15,7 @@ from benchmarks.command_line import suites
 from benchmarks.suites.arenas import USUAL_PARTS, ArenaJob, ArenaPart, ArenaResult, run_arena, run_jobs, summarize
 from benchmarks.suites.command import ArenaOptions, parts_of
 from benchmarks.suites.families import FAMILIES, arena_task, cubes, is_feasible
-from benchmarks.suites.report import record, table
+from benchmarks.suites.report import number, record, table
 from stt_codegen.errors import BadInput
 from tests.support.controllers import ROOT
 
@@ -114,6 +114,14 @@ def test_sections_are_replaced_and_columns_aligned(tmp_path) -> None:
     assert "two" not in path.read_text()
     lines = table(["x", "long heading"], [["1", "2"], ["333", "4"]]).splitlines()
     assert len({len(line) for line in lines}) == 1
+
+
+def test_numbers_have_their_digits_and_no_exponent() -> None:
+    assert [number(v) for v in (0.12345, 99.96, 999.4, 999.5, 999.9, -999.9, 1000.0, 12345.6)] == [
+        "0.123", "100", "999", "1000", "1000", "-1000", "1000", "12346",
+    ]  # fmt: skip
+    assert number(9.96, digits=1) == number(9.6, digits=1) == "10"
+    assert number(float("inf")) == number(float("nan")) == "-"
 
 
 @pytest.mark.parametrize("arguments", [("arenas", "--policies", "x"), ("loop", "--policies", "x"), ("missions", "--limit", "1")])
