@@ -267,7 +267,7 @@ JOBS = (
         "missions-mutants", "No mission is certified that a trajectory in the tube breaks.", 3,
         "benchmarks/mission_mutants.py --count 1000", PACKAGE,
     ),
-    # arenas, maps, rooms: where there is a way there is a certified tube
+    # arenas, maps, rooms: if there is a passage there is a certified tube
     script(
         "sampled", "No adversary breaks a loop at its proved period.", 3, "benchmarks/sampled.py 100", PACKAGE,
     ),
@@ -288,7 +288,7 @@ JOBS = (
         "benchmarks/map_levels.py", PACKAGE,
     ),
     script(
-        "rooms", "Concave rooms with a way have a tube, and it stays inside.", 3,
+        "rooms", "Concave rooms with a passage have a tube, and it stays inside.", 3,
         "benchmarks/rooms.py --count 200", ("benchmarks/oracles", *PACKAGE),
     ),
     bench(

@@ -2,13 +2,14 @@
 
     python -m benchmarks rooms [--count 500] [--seed 0] [--parts 8] [--every 10] [--record FILE.md]
 
-Half of the rooms are mazes of corridors, with straight or slanted walls, and pillars where corridors surround one. Half are stars
-with pillars. Some have a body, some a third axis. At several times of each segment of a certified tube its exact box must lie in
-the room (benchmarks/oracles/rooms.py, which shares nothing with the package). The unsafe sets must be an exact partition of the
-complement of the room in its box. The stand-alone checker must verify every tenth room.
+Half of the rooms are mazes of corridors, with straight or slanted walls. A block of walls that corridors surround is a pillar.
+Half are stars with pillars. Some have a body, some a third axis. At several times of each segment of a certified tube its exact
+box must lie in the room (benchmarks/oracles/rooms.py, which shares nothing with the package). The unsafe sets must be an exact
+partition of the complement of the room in its box. The stand-alone checker must verify every tenth room.
 
-A room has a way if a box a fifth larger than the narrowest tube gets from start to target on a grid. The exit code is 1 where a
-certified tube is outside, the sets are no partition, the checker refuses, or fewer than 99 % of rooms with a way are certified.
+A room has a passage if a box a fifth larger than the narrowest tube gets from start to target on a grid. The exit code is 1 if a
+certified tube is outside, the sets are no partition, the checker refuses, or fewer than 99 % of the rooms with a passage are
+certified.
 """
 
 from __future__ import annotations
@@ -46,20 +47,22 @@ from stt_codegen.task.load import parse_task
 
 CLEARANCE, MIN_WIDTH = 0.03, 0.05
 END_HALF_WIDTH = 0.06  # of start and target
-REQUIRED_SHARE = 0.99  # of the rooms with a way that must be certified
-PASSAGE_FACTOR = 1.2  # a room has a way if a box so much larger than the narrowest tube gets through
-GRID_STEP = 0.1  # of the grid on which a way is searched
+REQUIRED_RATIO = 0.99  # of the rooms with a passage that must be certified
+PASSAGE_FACTOR = 1.2  # a room has a passage if a box so many times as large as the narrowest tube gets through
+GRID_STEP = 0.1  # of the grid on which a passage is searched
 NOTE = """Half are mazes with straight or slanted walls and pillars, half stars with pillars; some with a body, some with a third
-axis. With a way: a box a fifth larger than the narrowest tube gets through on a grid of 0.1. Wrong: some box of the tube, at
-eight times in every segment unless --parts says otherwise, is outside of the listed corners or nearer to a wall than the
-clearance; the sets are no exact partition of the complement of the room in its box; or the stand-alone checker refuses, which is
-run for every tenth room. Others: on the grid no such box gets through."""
+axis. With a passage: a box a fifth larger than the narrowest tube gets through on a grid of 0.1. Others: no such box does.
+Wrong: one of three tests fails. (1) The box of the tube is in the room and not nearer to a wall than the clearance, at eight
+times in every segment (--parts changes this). (2) The sets are an exact partition of the complement of the room in its box. (3)
+The stand-alone checker verifies the files; it runs for every tenth room."""
 CornerList = list[list[float]]
 
 
 @dataclass(frozen=True)
 class DrawnRoom:
-    """A room with start and target, as numbers of a task file. axes: of x, y, z, those of the outline; None in the plane."""
+    """A room with start and target, as numbers of a task file.
+
+    axes: the indices, among x, y, z, of the two axes of the outline; None for a task with two axes."""
 
     outline: CornerList
     holes: list[CornerList]
@@ -74,7 +77,8 @@ class DrawnRoom:
 
 
 def maze_cells(rng: random.Random) -> list[list[bool]]:
-    """Return which cells of a maze are free: those with two even indices, and the doors of a spanning tree and some more."""
+    """Return which cells of a maze are free. A cell with two even indices is a room of the maze and free. A cell between two
+    rooms is free if it is a door: the doors of a spanning tree, and 15 % of the others."""
     size = rng.choice((2, 3, 3, 4))
     free = [[i % 2 == 0 and j % 2 == 0 for j in range(2 * size - 1)] for i in range(2 * size - 1)]
     visited, stack = {(0, 0)}, [(0, 0)]
@@ -96,7 +100,7 @@ def maze_cells(rng: random.Random) -> list[list[bool]]:
 
 
 def boundary_polygons(free: list[list[bool]]) -> list[list[tuple[int, int]]]:
-    """Return the polygons that bound the free cells, the outline first, each as its corners in order."""
+    """Return the polygons that bound the free cells, the outline first. A polygon is the list of its corners in order."""
     size = len(free)
     sides = {}
 
@@ -122,20 +126,23 @@ def boundary_polygons(free: list[list[bool]]) -> list[list[tuple[int, int]]]:
 
 
 def maze(rng: random.Random) -> tuple[CornerList, list[CornerList], list[tuple[float, float]]]:
-    """Draw a maze. Return outline, holes, and points in free cells. Of a slanted maze every corner is moved a little."""
-    free, narrow = maze_cells(rng), rng.choice((0.45, 0.8))
-    edges = [[0.0], [0.0]]
-    for axis in edges:
+    """Draw a maze. Return outline, holes, and the middles of free cells. In a slanted maze every corner is moved a little."""
+    free, smallest_cell = maze_cells(rng), rng.choice((0.45, 0.8))
+    cell_boundaries = [[0.0], [0.0]]  # by axis
+    for boundaries in cell_boundaries:
         for _ in range(len(free)):
-            axis.append(round(axis[-1] + rng.uniform(narrow, 2 * narrow), 2))
-    slanted = rng.choice((0.0, 0.22)) * narrow  # less than half of the distance of corners, so that no sides cross
+            boundaries.append(round(boundaries[-1] + rng.uniform(smallest_cell, 2 * smallest_cell), 2))
+    largest_shift = rng.choice((0.0, 0.22)) * smallest_cell  # less than half of the distance of corners, so that no sides cross
 
     def moved_corner(corner: tuple[int, int]) -> list[float]:
-        return [round(axis[v] + rng.uniform(-slanted, slanted), 3) for axis, v in zip(edges, corner, strict=True)]
+        return [
+            round(axis[v] + rng.uniform(-largest_shift, largest_shift), 3)
+            for axis, v in zip(cell_boundaries, corner, strict=True)
+        ]
 
     outline, *holes = [[moved_corner(c) for c in polygon] for polygon in boundary_polygons(free)]
     cells = [(i, j) for i in range(0, len(free), 2) for j in range(0, len(free), 2)]
-    middles = [tuple((axis[v] + axis[v + 1]) / 2 for axis, v in zip(edges, c, strict=True)) for c in cells]
+    middles = [tuple((axis[v] + axis[v + 1]) / 2 for axis, v in zip(cell_boundaries, c, strict=True)) for c in cells]
     return outline, holes, [(round(x, 2), round(y, 2)) for x, y in middles]
 
 
@@ -152,23 +159,23 @@ def star(rng: random.Random) -> tuple[CornerList, list[CornerList], list[tuple[f
         holes.append(ring(*middle, rng.randrange(3, 8), 0.12, 0.35))
     outline = ring(0, 0, rng.randrange(6, 17), 2.2, 5)
     angle, distance = rng.uniform(0, 7), rng.uniform(1.7, 2.2)
-    places = [(round(distance * math.cos(angle + k), 2), round(distance * math.sin(angle + k), 2)) for k in range(6)]
-    return outline, holes, places
+    points = [(round(distance * math.cos(angle + k), 2), round(distance * math.sin(angle + k), 2)) for k in range(6)]
+    return outline, holes, points
 
 
 def draw_room(seed: int) -> DrawnRoom:
     """Draw the room of a seed, with a start and a target that lie in it."""
     rng = random.Random(seed)
     while True:
-        outline, holes, places = (maze if seed % 2 else star)(rng)
+        outline, holes, points = (maze if seed % 2 else star)(rng)
         body = rng.choice(((0.0, 0.0), (0.05, 0.08)))
         axes = rng.choice((None, None, (0, 1), (2, 0)))
-        rng.shuffle(places)
+        rng.shuffle(points)
         if rng.random() < 0.5:
             outline = outline[::-1]
         listed_room = room_from_numbers(outline, holes)
         inside = [
-            p for p in places if contains_box(listed_room, box_about(p, [END_HALF_WIDTH + b + 2 * CLEARANCE for b in body]))
+            p for p in points if contains_box(listed_room, box_about(p, [END_HALF_WIDTH + b + 2 * CLEARANCE for b in body]))
         ]
         if len(inside) > 1:
             far = max(inside[1:], key=lambda p: math.dist(p, inside[0]))
@@ -176,6 +183,7 @@ def draw_room(seed: int) -> DrawnRoom:
 
 
 def box_about(point: tuple[float, float], half: list[float]) -> Any:
+    """Return lower and upper edges of the box with this centre and these half widths, as exact decimals."""
     middle, sizes = ([Fraction(str(v)) for v in values] for values in (point, half))
     return tuple([m + s * h for m, h in zip(middle, sizes, strict=True)] for s in (-1, 1))
 
@@ -206,10 +214,11 @@ def task_text(room_draw: DrawnRoom) -> str:
     return "\n".join([*lines, "[tube]", f"clearance = {CLEARANCE}", f"min_width = {MIN_WIDTH}"]) + "\n"
 
 
-def has_way(room_draw: DrawnRoom) -> bool:
+def has_passage(room_draw: DrawnRoom) -> bool:
     """Return whether a box PASSAGE_FACTOR times the narrowest tube with its clearance gets from start to target over a grid.
 
-    The box that contains both ends of a step must be free. It is computed in doubles, and decides only what is counted.
+    The box that contains both ends of a step must be free. It is computed in doubles: it decides only whether a refused room
+    counts as a miss.
     """
     half = np.array([(MIN_WIDTH / 2 + CLEARANCE + b) * PASSAGE_FACTOR for b in room_draw.body])
     ends = [np.array(side, dtype=float) for polygon in room_draw.listed_room.polygons for side in sides(polygon)]
@@ -241,16 +250,17 @@ def has_way(room_draw: DrawnRoom) -> bool:
 
 @dataclass(frozen=True)
 class RoomResult:
-    """The result of a room. outcome: "certified", "refused", or an error. seconds: of the processor, to design and certify."""
+    """The result of a room. outcome: "certified", "refused", or a message of what is wrong. seconds: to design and certify, of
+    the processor. has_passage: computed for refused and certified rooms; True for all others."""
 
     outcome: str
-    has_way: bool
-    sets: int
+    has_passage: bool
+    set_count: int
     seconds: float
 
 
-def judge_room(seed: int, parts: int, checked: bool) -> RoomResult:
-    """Design a tube in the room of a seed, and check it. checked: whether the stand-alone checker runs, too."""
+def judge_room(seed: int, times_per_segment: int, runs_checker: bool) -> RoomResult:
+    """Design a tube in the room of a seed, and check it. runs_checker: whether the stand-alone checker runs, too."""
     room_draw = draw_room(seed)
     listed_room, task = room_draw.listed_room, parse_task(task_text(room_draw))
     if fault := partition_fault(listed_room, [corners_of(table) for table in task.unsafe]):
@@ -259,15 +269,17 @@ def judge_room(seed: int, parts: int, checked: bool) -> RoomResult:
     try:
         controller = build_task(task)
     except NotCertified:
-        return RoomResult("refused", has_way(room_draw), len(task.unsafe), time.process_time() - begin)
+        return RoomResult("refused", has_passage(room_draw), len(task.unsafe), time.process_time() - begin)
     seconds = time.process_time() - begin
     axes = room_draw.axes or (0, 1)
     body = [Fraction(0)] * task.dimension if task.body is None else list(task.body)
-    outside = times_outside(listed_room, controller.design, axes, body, clearance=Fraction(str(CLEARANCE)), parts=parts)
+    outside = times_outside(
+        listed_room, controller.design, axes, body, clearance=Fraction(str(CLEARANCE)), times_per_segment=times_per_segment
+    )
     if outside:
         return RoomResult(f"{len(outside)} times outside, first at {float(outside[0]):g} s", True, len(task.unsafe), seconds)
-    problem = checker_refusal(controller.files) if checked else ""
-    return RoomResult(problem or "certified", has_way(room_draw), len(task.unsafe), seconds)
+    refusal = checker_refusal(controller.files) if runs_checker else ""
+    return RoomResult(refusal or "certified", has_passage(room_draw), len(task.unsafe), seconds)
 
 
 def checker_refusal(files: dict[str, bytes]) -> str:
@@ -287,28 +299,29 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=500)
     parser.add_argument("--seed", type=int, default=0, help="of the first room")
     parser.add_argument("--parts", type=int, default=8, help="times in every segment at which the tube is checked")
-    parser.add_argument("--every", type=int, default=10, help="the stand-alone checker runs for one of so many rooms")
+    parser.add_argument("--every", type=int, default=10, help="the stand-alone checker runs for one in so many rooms")
     parser.add_argument("--record", type=Path, metavar="FILE.md")
     options = parser.parse_args()
     results = []
     for seed in range(options.seed, options.seed + options.count):
         result = judge_room(seed, options.parts, seed % options.every == 0)
         results.append(result)
-        if result.outcome != "certified" and (result.outcome != "refused" or result.has_way):
-            print(f"seed {seed}: {result.outcome}{', has a way' if result.has_way else ''}")
-    outcomes = Counter((v.outcome if v.outcome in ("certified", "refused") else "wrong", v.has_way) for v in results)
+        if result.outcome != "certified" and (result.outcome != "refused" or result.has_passage):
+            print(f"seed {seed}: {result.outcome}{', has a passage' if result.has_passage else ''}")
+    outcomes = Counter((v.outcome if v.outcome in ("certified", "refused") else "wrong", v.has_passage) for v in results)
     certified, wrong = outcomes["certified", True], outcomes["wrong", True]
-    ways = certified + outcomes["refused", True]
-    sets, times = [v.sets for v in results], [1e3 * v.seconds for v in results]
+    passable_count = certified + outcomes["refused", True]
+    set_counts, milliseconds = [v.set_count for v in results], [1e3 * v.seconds for v in results]
     text = (
-        f"{options.count} rooms: {certified} of {ways} with a way certified, {outcomes['certified', False]} of "
-        f"{options.count - ways - wrong} others; {wrong} wrong; sets, median / largest: {np.median(sets):g} / {max(sets)}; "
-        f"design and certificate, ms, median / 95 %: {np.median(times):.3g} / {np.quantile(times, 0.95):.3g}"
+        f"{options.count} rooms: {certified} of {passable_count} with a passage certified, {outcomes['certified', False]} of "
+        f"{options.count - passable_count - wrong} others; {wrong} wrong; "
+        f"sets, median / largest: {np.median(set_counts):g} / {max(set_counts)}; "
+        f"design and certificate, ms, median / 95 %: {np.median(milliseconds):.3g} / {np.quantile(milliseconds, 0.95):.3g}"
     )
     print(text)
     if options.record:
         record(options.record, "rooms", f"## Concave rooms\n\nMade by `{command()}`; {machine()}.\n\n{text}.\n\n{NOTE}\n")
-    return 1 if wrong or certified < REQUIRED_SHARE * ways else 0
+    return 1 if wrong or certified < REQUIRED_RATIO * passable_count else 0
 
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
-"""The truth about rooms with an outline and holes, from the corners that the task lists, in exact fractions.
+"""An independent test of tubes in rooms with outline and holes, from the corners that the task lists, in exact fractions.
 
-A box is in a room if no side of the room enters the box and the middle of the box is inside, which the number of sides to the
-right of it decides. The area that two polygons share is that of one cut by the sides of the other (Sutherland and Hodgman, 1974);
-the one that is cut may be concave, since only its signed area is used. Nothing is shared with `stt_codegen.task.map.rooms` or
-`polygons`. `benchmarks/rooms.py` and tests call this file.
+A box is in a room if no side of the room enters the box and the middle of the box is inside. The middle is inside if the number
+of sides to its right is odd. To find the area that two polygons share, one is cut by the sides of the other (Sutherland and
+Hodgman, 1974). The polygon that is cut may be concave, because only its signed area is used.
+
+Nothing is shared with `stt_codegen.task.map.rooms` or `polygons`. `benchmarks/rooms.py` and tests call this file.
 """
 
 from __future__ import annotations
@@ -86,18 +87,18 @@ def contains_box(listed_room: ListedRoom, box: BoxEdges, clearance: Fraction = F
     return contains_point(listed_room, [(low + high) / 2 for low, high in zip(*box, strict=True)])
 
 
-def tube_boxes(design: RefinedDesign, parts: int) -> Iterator[tuple[Fraction, BoxEdges]]:
-    """Yield the exact tube at `parts` times of every segment and at t_c: seconds, and its edges."""
-    for k in range(design.segments * parts + 1):
-        segment = min(k // parts, design.segments - 1)
-        s = Fraction(k, parts) - segment
+def tube_boxes(design: RefinedDesign, times_per_segment: int) -> Iterator[tuple[Fraction, BoxEdges]]:
+    """Yield the exact tube at `times_per_segment` times of every segment and at t_c, as seconds and edges."""
+    for k in range(design.segments * times_per_segment + 1):
+        segment = min(k // times_per_segment, design.segments - 1)
+        s = Fraction(k, times_per_segment) - segment
         weights = ((1 - s) ** 3, 3 * s**3 - 6 * s**2 + 4, -3 * s**3 + 3 * s**2 + 3 * s + 1, s**3)
         points = design.table[segment : segment + 4]
         lower, upper = (
             [sum(w * p[i][side] for w, p in zip(weights, points, strict=True)) * design.unit for i in range(design.dimension)]
             for side in (0, 1)
         )
-        yield design.prescribed_time * k / (design.segments * parts), (lower, upper)
+        yield design.prescribed_time * k / (design.segments * times_per_segment), (lower, upper)
 
 
 def times_outside(
@@ -107,12 +108,12 @@ def times_outside(
     body: Sequence[Fraction],
     *,
     clearance: Fraction,
-    parts: int = 8,
+    times_per_segment: int = 8,
 ) -> list[Fraction]:
-    """Return the times at which the tube on two axes, grown by the body, is not in the room, or too near to a wall. It is
-    compared at `parts` times of every segment."""
+    """Return the times at which the tube on two axes, grown by the body, is not in the room, or is nearer to a
+    wall than `clearance`. It is compared at `times_per_segment` times of every segment."""
     times = []
-    for time, (lower, upper) in tube_boxes(design, parts):
+    for time, (lower, upper) in tube_boxes(design, times_per_segment):
         box = [lower[i] - body[i] for i in axes], [upper[i] + body[i] for i in axes]
         if not contains_box(listed_room, box, clearance):
             times.append(time)
@@ -143,8 +144,7 @@ def shared_area(polygon: Polygon, convex: Polygon) -> Fraction:
 
 
 def partition_fault(listed_room: ListedRoom, pieces: Sequence[Polygon]) -> str | None:
-    """Return what is wrong with polygons that should be convex and partition the bounding box without the room; None where they
-    do."""
+    """Return why polygons are no partition, into convex pieces, of the bounding box without the room; None if they are one."""
     for k, piece in enumerate(pieces):
         turns = [signed_area([*corners]) for corners in zip(piece, piece[1:] + piece[:1], piece[2:] + piece[:2], strict=True)]
         if not (all(t > 0 for t in turns) or all(t < 0 for t in turns)):

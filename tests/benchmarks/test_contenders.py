@@ -17,7 +17,16 @@ from benchmarks.peers.driven import compile_peer, seconds_a_step
 from benchmarks.peers.freeways import curve_is_safe, disjoint_free_boxes, drake, fast_path, maximal_free_boxes, neighbours
 from benchmarks.peers.in_arenas import PEERS, PeerOutcome
 from benchmarks.peers.in_loops import CONTENDERS, GRIDS, LoopArena
-from benchmarks.peers.policy import DIRECTIONS, HERTZ, OBSERVATION_SIZE, SPEED, Policy, load_policy, observe, ray_lengths
+from benchmarks.peers.policy import (
+    DECISIONS_PER_SECOND,
+    OBSERVATION_SIZE,
+    RAY_DIRECTIONS,
+    SPEED,
+    Policy,
+    load_policy,
+    observe,
+    ray_lengths,
+)
 from benchmarks.peers.symbolic import NO_INPUT, UNREACHABLE, Abstraction, GridController, simulate_runs, synthesize
 from benchmarks.suites import printed
 from benchmarks.suites.families import BOX, FAMILIES, cubes
@@ -187,7 +196,7 @@ def test_a_policys_c_computes_what_its_python_does(tmp_path: Path) -> None:
     needs("gcc")
     random_policy().save(tmp_path / "policy_0.npz")
     policy, boxes = load_policy(tmp_path / "policy_0.npz"), cubes(PAPER, 3)
-    controller = compile_peer(policy.source(boxes), 2, HERTZ, None)
+    controller = compile_peer(policy.source(boxes), 2, DECISIONS_PER_SECOND, None)
     draw = np.random.default_rng(4)
     for x, t in zip(draw.uniform(0, 5, (200, 2)), draw.uniform(0, 9, 200), strict=True):
         # Single precision: 27 terms of a few units in three layers, each within 2^-23 of its size.
@@ -200,7 +209,7 @@ def test_a_ray_ends_where_a_finely_stepped_one_does() -> None:
     for x in ((0.3, 0.2), (2.5, 4.9), (4.0, 1.0)):
         if is_inside_box(np.array([x]), boxes)[0]:
             continue
-        for length, direction in zip(ray_lengths(np, np.array(x), boxes), DIRECTIONS, strict=True):
+        for length, direction in zip(ray_lengths(np, np.array(x), boxes), RAY_DIRECTIONS, strict=True):
             steps = np.arange(0, 8, 0.001)[:, None] * direction + x
             is_outside = is_inside_box(steps, boxes) | np.any((steps < 0) | (steps > 5), axis=1)
             assert abs(0.001 * np.argmax(is_outside) - length) <= 0.0011

@@ -104,7 +104,9 @@ def test_the_outline_of_an_ell_is_certified_and_checked_and_its_tube_is_in_it(tm
     controller = build(tmp_path / "ell.toml")
     assert controller.certificate.holds
     assert (
-        times_outside(listed_room_of(ELL), controller.design, (0, 1), (Fraction(0),) * 2, clearance=Fraction("0.05"), parts=16)
+        times_outside(
+            listed_room_of(ELL), controller.design, (0, 1), (Fraction(0),) * 2, clearance=Fraction("0.05"), times_per_segment=16
+        )
         == []
     )
     for name, data in controller.files.items():
