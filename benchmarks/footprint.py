@@ -65,9 +65,9 @@ int main(void)
 """
 
 
-def step_over_logarithm(task: Path) -> str:
+def step_over_logarithm(task_path: Path) -> str:
     """Return as text the nanoseconds of one refined `control` and of one `logf`, and their ratio; n = 2, -O2."""
-    controller = build(task, "refined", "float")
+    controller = build(task_path, "refined", "float")
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)
@@ -79,9 +79,9 @@ def step_over_logarithm(task: Path) -> str:
     return f"{step:.3g} ns, one logf {logarithm:.3g} ns: {step / logarithm:.2g} times"
 
 
-def sections(task: Path, design: str) -> dict[str, int]:
+def sections(task_path: Path, design: str) -> dict[str, int]:
     """Return the bytes of each function and of the tables, by name; functions are not inlined into each other."""
-    controller = build(task, design, "float", uncertified=True)
+    controller = build(task_path, design, "float", uncertified=True)
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)

@@ -83,10 +83,10 @@ def smallest_limit_row(name: str) -> str:
     while high / low > 1.02:
         middle = (low * high) ** 0.5
         try:
-            good = build_task(task.changed(control={"u_max": f"{middle:.6g}"})).certificate.holds
+            is_certified = build_task(task.changed(control={"u_max": f"{middle:.6g}"})).certificate.holds
         except NotCertified:
-            good = False
-        low, high = (low, middle) if good else (middle, high)
+            is_certified = False
+        low, high = (low, middle) if is_certified else (middle, high)
     return f"| {name} | {high:.3g} | {bound:.3g} | {high / bound:.2f} |"
 
 

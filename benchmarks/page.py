@@ -57,11 +57,11 @@ def task_with_many_sets(name: str, dimension: int) -> str:
     return "\n".join([*lines, *boxes])
 
 
-def report_row(browser: Any, task: Path, folder: Path) -> list[str]:
+def report_row(browser: Any, task_path: Path, folder: Path) -> list[str]:
     """Write the report of a task and show it in the browser. Return the task's row of the table."""
-    path = folder / f"{task.stem}.html"
+    path = folder / f"{task_path.stem}.html"
     begin = time.perf_counter()
-    subprocess.run([sys.executable, "-m", "stt_codegen.cli", "report", task, "--out", path], check=True, capture_output=True)
+    subprocess.run([sys.executable, "-m", "stt_codegen.cli", "report", task_path, "--out", path], check=True, capture_output=True)
     seconds = time.perf_counter() - begin
     text = path.read_text()
     data = re.search(r'<script id="data" type="application/json">(.*?)</script>', text, re.S)
@@ -76,7 +76,7 @@ def report_row(browser: Any, task: Path, folder: Path) -> list[str]:
     rate = page.evaluate(MOVE_SLIDER, FRAMES)
     page.close()
     return [
-        task.stem,
+        task_path.stem,
         f"{seconds:.1f}",
         f"{len(text.encode()):,}",
         f"{wasm:,}",

@@ -27,7 +27,7 @@ from stt_codegen.theorem.tube_theorem import coq_list, coq_rational, tube_theore
 from stt_codegen.theorem.unsafe_sets import half_space_multipliers, is_box, read_sets
 from tests.support.command_line import run_command
 from tests.support.controllers import ROOT
-from tests.theorem.test_controller_theorem import SHAPES
+from tests.theorem.test_controller_theorem import HALL_TASK
 
 pytestmark = pytest.mark.xdist_group("coq")  # the library is compiled once
 
@@ -147,8 +147,8 @@ def test_generate_refuses_a_task_without_a_theorem(tmp_path: Path) -> None:
 
 def test_sets_have_the_same_support_as_those_of_the_checker() -> None:
     """Both read the text of the task by themselves. For half-spaces the bound that their multipliers give is exact."""
-    task = checker.Task(SHAPES.encode())
-    sets = read_sets(SHAPES.encode(), task)
+    task = checker.Task(HALL_TASK.encode())
+    sets = read_sets(HALL_TASK.encode(), task)
     assert [bool(s.points) + 2 * bool(s.half_spaces) + 4 * is_box(s) for s in sets.unsafe] == [1, 1, 2, 4, 1]
     for (_, (points, half, axes, radius)), shape in zip(task.unsafe, sets.unsafe, strict=True):
         assert (shape.radius, *(shape.axes if radius else ())) == (radius, *(axes if radius else ()))
