@@ -109,11 +109,11 @@ def period_rows(name: str) -> tuple[list[str], list[EmittedController]]:
     for factor in (1.1, 1.3, 2.0, None):
         control: dict[str, Any] = {} if factor is None else {"u_max": [f"{v * factor:.4g}" for v in closing_speed]}
         controller = build_task(unlimited.task.changed(control=control), tube=unlimited.design)
-        best = Analysis(controller).gains.longest
+        best = Analysis(controller).gains.with_longest_period
         if best is None:
             rows.append(f"| {name} | {factor or 'none'} | none | | |")
             continue
-        gain = [f"{v:.6g}" for v in best[0].tolist()]
+        gain = [f"{v:.6g}" for v in best.gain.tolist()]
         controller = build_task(controller.task.changed(control={**control, "gain": gain}), tube=unlimited.design)
         controllers.append(controller)
         u = ", ".join(f"{v:.3g}" for v in best[1].u)

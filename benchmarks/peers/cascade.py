@@ -49,7 +49,7 @@ from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.program.targets.template_files import template_folder
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.sampling.gains import INPUT_MARGIN_FACTOR, Gains, natural_gain, needed_input, rounded_gain
+from stt_codegen.sampling.gains import INPUT_MARGIN_FACTOR, Gains, balancing_gain, needed_input, rounded_gain
 from stt_codegen.sampling.order_two import filtered_extremes
 from stt_codegen.sampling.sampled_loop import SampledLaw, SampledLoop, first_order_loop
 from stt_codegen.sampling.sampling_conditions import q, q_rate
@@ -219,7 +219,7 @@ def cascade_of_longest_period(controller: EmittedController, feeds_forward: bool
     law = SampledLaw(gain=np.ones(n), e_max=np.full(n, float(E_MAX)), shift=np.zeros(n), u_max=np.full(n, np.inf), rounding=0.0)
     sampled_loop = first_order_loop(second_windows, bounds, law, 2 * np.arctanh(numbers.start_error) * (1 + 1e-9))
     sampled_loop = sampled_loop.with_law(u_max=rounded_gain(needed_input(sampled_loop) * INPUT_MARGIN_FACTOR))
-    longest = Gains(sampled_loop, natural_gain(sampled_loop)).longest
+    longest = Gains(sampled_loop, balancing_gain(sampled_loop)).with_longest_period
     if longest is None:
         return None
     k2, period = longest
@@ -250,7 +250,7 @@ def _best_first_stage(
 def filtered_controller(controller: EmittedController) -> TimedController | None:
     """Return our law with u limited to 1.1 times what it needs, at the gain of the longest proved period; None without one."""
     analysis, design = Analysis(controller), _refined(controller)
-    limited = analysis.gains.limited
+    limited = analysis.gains.with_suggested_limits
     if limited is None:
         return None
     u_max, gain, period = limited

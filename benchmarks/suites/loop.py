@@ -78,10 +78,10 @@ def run_job(job: LoopJob) -> LoopOutcome:
     except NotCertified as error:
         return LoopOutcome(job, {}, reason=str(error))
     gains = Analysis(controller, plant).gains
-    best = gains.longest
+    best = gains.with_longest_period
     if best is None:
         return LoopOutcome(job, {}, reason="no gain is proved at any period")
-    gain, period = best[0].tolist(), best[1]
+    gain, period = best.gain.tolist(), best.period
     controller = with_gain(controller, gain)
     loop = Loop(controller, plant)
     scenarios = scenarios_of(job, controller, float(task.initial_set.share))

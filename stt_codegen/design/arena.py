@@ -83,7 +83,7 @@ class Arena:
     @property
     def has_only_boxes(self) -> bool:
         """Whether every set is a box, so that its span says all of it."""
-        return not (len(self.oblique_faces.set_index) or len(self.space_cuts.bound) or len(self.target_cuts.bound))
+        return not (len(self.oblique_faces.set_index) or len(self.space_cuts.lower_bound) or len(self.target_cuts.lower_bound))
 
     def distance(self, steps: Array) -> Array:
         """Return how far the fastest dimension gets in the time that steps (P, n) take at full speed: (P,)."""
@@ -223,7 +223,7 @@ def arena_at_start(arena: Arena) -> Arena:
     owners = [np.full(len(bounds) - 2 * n, first + j) for j, (_, bounds) in enumerate(active)]
     all_faces = ObliqueFaces(
         np.concatenate([faces.normal, *(m.normal[2 * n :] for m, _ in active)]),
-        np.concatenate([faces.bound, *(bounds[2 * n :] for _, bounds in active)]),
+        np.concatenate([faces.upper_bound, *(bounds[2 * n :] for _, bounds in active)]),
         np.concatenate([faces.set_index, *owners]).astype(np.int64),
         (*faces.bends, *(None for _ in active)),
         faces.is_complete,

@@ -18,15 +18,15 @@ ROUNDING_TOLERANCE = 1e-12  # a point may lie so far outside of a half-space, fo
 
 @dataclass(frozen=True)
 class ObliqueFaces:
-    """The faces of unsafe sets that are not perpendicular to an axis: normal.x <= bound on the set.
+    """The faces of unsafe sets that are not perpendicular to an axis: normal.x <= upper_bound on the set.
 
-    normal: (X, n), each over its |n|_1. bound: (X,), the support h(n) of the set. set_index: (X,), rising, the index of the set.
-    bends: for each set with such faces, points and signs (2, V, n): where a shortest way around the grown set may bend
+    normal: (X, n), each over its |n|_1. upper_bound: (X,), the support h(n) of the set. set_index: (X,), rising, the index of the
+    set. bends: for each set with such faces, points and signs (2, V, n): where a shortest way around the grown set may bend
     (`ConvexSet.route_corners`); None for a box. is_complete: whether these are all faces of all sets; a round set has more.
     """
 
     normal: Array
-    bound: Array
+    upper_bound: Array
     set_index: npt.NDArray[np.int64]
     bends: tuple[Array | None, ...]
     is_complete: bool
@@ -35,40 +35,47 @@ class ObliqueFaces:
         """Return the faces of the sets with these indices; the sets are numbered from 0 again, in this order."""
         kept = np.isin(self.set_index, sets)
         set_index = np.array([sets.index(j) for j in self.set_index[kept]], dtype=np.int64)
-        return ObliqueFaces(self.normal[kept], self.bound[kept], set_index, tuple(self.bends[j] for j in sets), self.is_complete)
+        return ObliqueFaces(
+            self.normal[kept], self.upper_bound[kept], set_index, tuple(self.bends[j] for j in sets), self.is_complete
+        )
 
     def scaled(self, unit: float) -> ObliqueFaces:
         """Return the same faces with lengths measured in `unit`."""
         bends = tuple(None if b is None else np.stack([b[0] / unit, b[1]]) for b in self.bends)
-        return replace(self, bound=self.bound / unit, bends=bends)
+        return replace(self, upper_bound=self.upper_bound / unit, bends=bends)
 
     def indices_of(self, j: int) -> range:
-        """Return the indices of the faces of set j."""
+        """Return the indices of the faces of the set with index j."""
         return range(int(np.searchsorted(self.set_index, j)), int(np.searchsorted(self.set_index, j, side="right")))
 
     def box_support(self, half_widths: Array) -> Array:
         """Return how much a box of these half widths (n,) adds to each h(n), the sum of |n_i| half_widths_i: (X,)."""
         return _box_support(self.normal, half_widths)
 
-    def distances_beyond(self, edges: Array, first: int = 0, end: int | None = None) -> Array:
-        """Return how far boxes are beyond each of the faces from `first` to `end`, in the largest component: (X, ...).
+    def distances_beyond(self, edges: Array, first_face: int = 0, end_face: int | None = None) -> Array:
+        """Return how far boxes are beyond each of the faces from `first_face` to before `end_face`: (X, ...).
+
+        Distances are in the largest component.
 
         edges: (2, n, ...), lower and upper. A negative distance says that a part of the box is on the side of the set.
         """
-        normal, bound = self.normal[first:end], self.bound[first:end]
-        return distances_beyond(normal, bound.reshape(-1, *(1 for _ in edges.shape[2:])), edges)
+        normal, upper_bound = self.normal[first_face:end_face], self.upper_bound[first_face:end_face]
+        return distances_beyond(normal, upper_bound.reshape(-1, *(1 for _ in edges.shape[2:])), edges)
 
 
 @dataclass(frozen=True)
 class HalfSpaces:
-    """Half-spaces that the tube must be in, normal.x >= bound: normal (M, n), each over its |n|_1; bound (M,)."""
+    """Half-spaces that the tube must be in, normal.x >= lower_bound: normal (M, n), each over its |n|_1; lower_bound (M,).
+
+    The inequality points the other way than that of `ObliqueFaces`, which a tube must be outside of.
+    """
 
     normal: Array
-    bound: Array
+    lower_bound: Array
 
     def scaled(self, unit: float) -> HalfSpaces:
         """Return the same half-spaces with lengths measured in `unit`."""
-        return HalfSpaces(self.normal, self.bound / unit)
+        return HalfSpaces(self.normal, self.lower_bound / unit)
 
     def box_support(self, half_widths: Array) -> Array:
         """Return by how much each bound rises for the centre of a box of these half widths (n,): (M,)."""
@@ -76,7 +83,7 @@ class HalfSpaces:
 
     def contain_boxes(self, centres: Array, half_widths: Array) -> npt.NDArray[np.bool_]:
         """Return which boxes of these half widths (n,) about centres (P, n) lie in all of the half-spaces: (P,)."""
-        margins = np.tile(-self.bound - self.box_support(half_widths), (len(centres), 1))
+        margins = np.tile(-self.lower_bound - self.box_support(half_widths), (len(centres), 1))
         for i in range(centres.shape[1]):
             margins = margins + centres[:, i, None] * self.normal[:, i]
         return np.asarray((margins >= -ROUNDING_TOLERANCE).all(axis=1))

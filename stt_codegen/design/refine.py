@@ -28,7 +28,7 @@ from stt_codegen.design.refusals import explain_refusal
 from stt_codegen.design.spline_tubes import MANY_OBSTACLES, SplineTube, TubeSearch, segment_counts_of, smoothest_tube
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.sampling import Gains, condition_kinds_of, loop_of, natural_gain
+from stt_codegen.sampling import Gains, balancing_gain, condition_kinds_of, loop_of
 from stt_codegen.task import Task
 
 SPEED_CAPS = (2, 1, 4, 16)  # times the speed needed without bounds by component: the limits that are tried, in this order
@@ -171,11 +171,11 @@ def _longest_period(task: Task, design: RefinedDesign, allowance: Fraction) -> f
     whose error is not derived yet.
     """
     edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
-    setting, kinds = loop_of(task, design, edge, rate), condition_kinds_of(task)
+    loop, kinds = loop_of(task, design, edge, rate), condition_kinds_of(task)
     if task.control.gain is None or task.has_automatic_gain:
-        best = Gains(setting, natural_gain(setting), kinds=kinds).longest
-        return 0.0 if best is None else best[1].seconds
-    period = Gains(setting, setting.law.gain, kinds=kinds).at(setting.law.gain)
+        best = Gains(loop, balancing_gain(loop), kinds=kinds).with_longest_period
+        return 0.0 if best is None else best.period.seconds
+    period = Gains(loop, loop.law.gain, kinds=kinds).longest_period_at(loop.law.gain)
     return 0.0 if period is None else period.seconds
 
 

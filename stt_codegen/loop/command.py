@@ -190,9 +190,9 @@ def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
     get `age` seconds old; where none is proved for that age, the gain of the longest proved period."""
     task = analysis.controller.task
     if text == "best":
-        setting, shortest = analysis.sampled_loop, analysis.shortest
+        loop, shortest = analysis.sampled_loop, analysis.shortest
         best = (
-            choose_proved_gain(setting, age, shortest, analysis.condition_kinds) or analysis.gains.longest
+            choose_proved_gain(loop, age, shortest, analysis.condition_kinds) or analysis.gains.with_longest_period
             if analysis.controller.certificate.tube_holds
             else None
         )

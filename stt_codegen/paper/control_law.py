@@ -1,13 +1,14 @@
 """Section IV: normalized error e, transformed error eps, its Jacobian xi, and the control law (13), by component.
 
-Everything is written in the distances to the edges, a = x - gamma_L and b = gamma_U - x, which keeps it well conditioned
-where x nears an edge:
+gamma_L and gamma_U are the lower and upper edge, gamma_s = gamma_L + gamma_U and gamma_d = gamma_U - gamma_L. All functions take
+the distances to the edges, a = x - gamma_L and b = gamma_U - x. So no digits are lost where x is near an edge:
 
     e   = (2 x - gamma_s) / gamma_d          = (a - b) / gamma_d
     eps = ln((1 + e) / (1 - e))              = ln(a / b)
     xi  = 4 / (gamma_d (1 - e^2))            = 1/a + 1/b          = d eps / d x
 
-The printed xi has I - e e^T; read as an outer product it is singular inside the domain and not the Jacobian of eps.
+The paper prints xi with I - e e^T. Read as an outer product, that matrix is singular for some e in the domain, and it is not the
+Jacobian of eps. So e e^T stands for the diagonal matrix of e_i^2.
 """
 
 from __future__ import annotations
@@ -24,10 +25,10 @@ def normalized_error() -> ca.Function:
 def transformed_error() -> ca.Function:
     """a, b > 0 -> eps = ln(a/b) = -ln(b/a) and xi = 1/a + 1/b = (1 + b/a) / b.
 
-    xi in this form costs one division; `xi_by_differentiation` is the same number from eps itself (a test shows it). It is
-    called with a <= b, measured from the nearer edge, so that the logarithm is of a number that is not below 1.
-    (With q = 1/(a b) for both, b b q and (a + b) q, one division would do. It costs 2 instructions a component on a Cortex-M4F,
-    for 13 cycles of its FPU, and on boards without one two more products cost what the division does.)
+    The emitted code calls it with a <= b: `a` is the distance to the nearer edge there, and the sign of the gain says which edge
+    that is. So ln(b/a) is the logarithm of a number that is at least 1. A test compares xi with `xi_by_differentiation`. Two
+    divisions are needed, b/a and the one in xi. One division, 1/(a b), would do with more products, but it is no faster on boards
+    without an FPU.
     """
     a, b = ca.SX.sym("a"), ca.SX.sym("b")
     ratio = b / a
@@ -48,8 +49,10 @@ def law() -> ca.Function:
 
 
 def law_jacobian() -> ca.Function:
-    """x, gamma_L, gamma_U, their rates, k -> u (13), du/dx, and du/dt at fixed x, by differentiation; by component, so the
-    Jacobian du/dx of the whole law is diagonal."""
+    """x, gamma_L, gamma_U, their rates, k -> u (13), du/dx, and du/dt at fixed x, by differentiation.
+
+    Every component of u depends on its own x alone, so the Jacobian du/dx of the whole law is diagonal.
+    """
     names = ["x", "lower", "upper", "lower_rate", "upper_rate", "k"]
     x, lower, upper, lower_rate, upper_rate, k = symbols = [ca.SX.sym(n) for n in names]
     a, b = x - lower, upper - x

@@ -1,10 +1,12 @@
 """Smooth maximum and minimum (section II), and the smooth joining of circumvent functions, in forms that cannot overflow.
 
-Printed: max(a, b) ~ ln(exp(nu a) + exp(nu b)) / nu, which overflows a float32 at nu a = 88. As built, with
-h = |a - b| / 2: (a + b)/2 + h + log1p(exp(-2 nu h)) / nu, the same number; the exponent is never positive. Written with the
-mean, so that automatic differentiation gives weights of one half each where a = b.
+nu > 0 is the sharpness, in 1 over the unit of a and b. The paper prints max(a, b) ~ ln(exp(nu a) + exp(nu b)) / nu, which
+overflows a float32 at nu a = 88. The functions here compute the same number as (a + b)/2 + h + log1p(exp(-2 nu h)) / nu, with h =
+|a - b| / 2. Its exponent is never positive. The mean (a + b)/2 is there so that automatic differentiation gives both a and b the
+weight 1/2 where they are equal.
 
-    max(a, b) <= smooth_max(a, b) <= max(a, b) + ln 2 / nu, and the mirror image for the minimum.
+    max(a, b) <= smooth_max(a, b) <= max(a, b) + ln 2 / nu
+    min(a, b) - ln 2 / nu <= smooth_min(a, b) <= min(a, b)
 """
 
 from __future__ import annotations
@@ -25,10 +27,11 @@ def smooth_min(a: ca.SX, b: ca.SX, nu: ca.SX) -> ca.SX:
 
 
 def smooth_join(a: ca.SX, b: ca.SX, nu: ca.SX) -> ca.SX:
-    """Join two bumps a, b >= 0: ln(exp(nu a) + exp(nu b) - 1) / nu, in place of the max in (9), which is not C1.
+    """Return two joined circumvent functions (bumps) a, b >= 0: ln(exp(nu a) + exp(nu b) - 1) / nu.
 
-    Equal to the other where one is 0 (no bias at rest), at most max(a, b) + ln 2 / nu, and associative: m bumps joined one
-    after the other give ln(1 + sum_j (exp(nu b_j) - 1)) / nu.
+    It replaces the max of the paper's equation (9), which has no continuous derivative. Where b = 0 the result is a, and where
+    a = 0 it is b. It is at most max(a, b) + ln 2 / nu. Joining is associative: m bumps b_j joined one after the other give
+    ln(1 + sum_j (exp(nu b_j) - 1)) / nu.
     """
     half = ca.fabs(a - b) / 2
     high = (a + b) / 2 + half

@@ -49,7 +49,7 @@ class Analysis(LoopAnalysis):
         """Return what is proved at the task's gain, the gain with the longest period, and the gains for `wanted_period`."""
         task, age = self.controller.task, self.wanted_period + self.latency
         sign = 1 if task.gain[0] > 0 else -1
-        limited, gains = self.gains.limited, self.gains.range(age)
+        limited, gains = self.gains.with_suggested_limits, self.gains.proved_range(age)
         smallest_error = choose_proved_gain(self.sampled_loop, age, self.shortest, self.condition_kinds)
 
         def signed(gain: Array) -> tuple[float, ...]:
@@ -64,8 +64,8 @@ class Analysis(LoopAnalysis):
 
         proved_gains = None
         if gains is not None:
-            last = None if gains.last is None else signed(gains.last)
-            proved_gains = ProvedGains(signed(gains.first), last, gains.first_is_end, gains.last_is_end)
+            last = None if gains.largest is None else signed(gains.largest)
+            proved_gains = ProvedGains(signed(gains.smallest), last, gains.fails_below, gains.fails_above)
         return SamplingReport(
             plant=self.name,
             latency=self.latency,
@@ -76,8 +76,8 @@ class Analysis(LoopAnalysis):
             gain=tuple(float(v) for v in task.gain),
             at_this_gain=ProvedPeriod.of(self.period, self.latency),
             from_initial_state=ProvedPeriod.of(self.from_initial_state, self.latency),
-            longest=advice(self.gains.longest),
-            longest_with_limits=None if limited is None else advice(limited[1:], tuple(limited[0].tolist())),
+            longest=advice(self.gains.with_longest_period),
+            longest_with_limits=None if limited is None else advice(limited[1:], tuple(limited.u_max.tolist())),
             wanted=self.wanted_period,
             smallest_error=advice(smallest_error),
             gains=proved_gains,

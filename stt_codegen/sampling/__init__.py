@@ -3,10 +3,11 @@
 from stt_codegen.sampling.continuous import continuous_input_bound, epsilon_star, epsilon_star_norm, holds_saturated, holds_scaled
 from stt_codegen.sampling.gains import (
     WORTHWHILE_PERIOD_RATIO,
+    GainChoice,
     Gains,
+    balancing_gain,
     choose_proved_gain,
     longest_proved_period_from,
-    natural_gain,
     rounded_gain,
 )
 from stt_codegen.sampling.loops import condition_kinds_of, exact_loop, loop_of, start_bound_of_task
@@ -50,12 +51,14 @@ __all__ = [
     "WORTHWHILE_PERIOD_RATIO",
     "Bounds",
     "Fractions",
+    "GainChoice",
     "Gains",
     "Period",
     "PlantEnclosure",
     "SampledLaw",
     "SampledLoop",
     "Windows",
+    "balancing_gain",
     "bounds_of_task",
     "choose_proved_gain",
     "condition_kinds_of",
@@ -82,7 +85,6 @@ __all__ = [
     "loop_of",
     "measured_distances",
     "minimum_eigenvalue",
-    "natural_gain",
     "prove_for_period",
     "refined_windows",
     "rounded_gain",

@@ -7,8 +7,9 @@ In the sharp conditions every component has an E of its own. The effect of an in
 so does the E that they need. For one tau there is therefore a smallest E in all components at once: each starts from its own
 smallest and is raised until its own conditions hold. Where a component has no such E, there is none at all.
 
-Long because a period is sought in doubles and proved in balls and in fractions.
-"""
+Here tau is the age of the oldest sample that may still act, in seconds. The code calls E `eps_bound`; in
+fractions it uses rho = e^E. The file is long because the same conditions are searched in doubles, and proved in balls and in
+fractions."""
 
 from __future__ import annotations
 
@@ -34,9 +35,9 @@ from stt_codegen.sampling.sampling_conditions import (
 )
 
 Array = npt.NDArray[Any]
-RETREATS = (1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.1)  # shares by which a searched tau or E gives way until balls prove it
+RELATIVE_RETREATS = (1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.1)  # a searched tau is shortened, or E raised, until balls prove it
 FIRST_HALVINGS = 24  # halvings beyond those of a search, while no period has been proved yet
-SMALLEST_EPS_BOUND = 0.01  # |e| = 0.005: as good as a start in the middle
+SMALLEST_EPS_BOUND = 0.01  # of the search; |e| = 0.005 is as good as a start in the middle of the tube
 
 
 class PeriodCandidate(NamedTuple):
@@ -69,14 +70,18 @@ class Period:
 
 @dataclass(frozen=True)
 class SearchEffort:
-    """The effort of a search: values of E on a grid, grids (each around the best of the last), and halvings of tau for each."""
+    """How long a search runs.
 
-    values: int
-    rounds: int
+    grid_values: the number of E on a grid. grids: the number of grids, each around the best E of the grid before.
+    halvings: of tau, for each grid."""
+
+    grid_values: int
+    grids: int
     halvings: int
 
 
-FINE, COARSE = SearchEffort(32, 2, 24), SearchEffort(32, 1, 12)  # for proofs; for comparing gains
+PROOF_EFFORT = SearchEffort(grid_values=32, grids=2, halvings=24)
+COMPARISON_EFFORT = SearchEffort(grid_values=32, grids=1, halvings=12)  # to compare gains
 
 
 def holds(kind: str, loop: SampledLoop, eps_bound: Array, tau: float) -> bool:
@@ -140,7 +145,7 @@ def longest_proved_period(kind: str, loop: SampledLoop) -> Period | None:
     if candidate is None:
         return None
     tau, eps_bound = candidate
-    shorter = (tau * (1 - share) for share in RETREATS)
+    shorter = (tau * (1 - retreat) for retreat in RELATIVE_RETREATS)
     return next((_period(kind, loop, eps_bound, t, tau) for t in shorter if holds(kind, loop, eps_bound, t)), None)
 
 
@@ -160,7 +165,7 @@ def _smallest_proved_bound(kind: str, loop: SampledLoop, tau: float) -> Array | 
     candidate = smallest_bound_candidate(kind, loop, tau)
     if candidate is None:
         return None
-    raised = (np.minimum(candidate * (1 + share), _largest_eps_bound(kind, loop)) for share in RETREATS)
+    raised = (np.minimum(candidate * (1 + retreat), _largest_eps_bound(kind, loop)) for retreat in RELATIVE_RETREATS)
     return next((e for e in raised if holds(kind, loop, e, tau)), None)
 
 
@@ -178,12 +183,12 @@ def _as_argument(kind: str, eps_bound: Array) -> Any:
 
 
 def _start_bound(kind: str, loop: SampledLoop) -> Array:
-    """Return what E must be above, (n,): |eps(0)| by component, or its norm in every entry."""
+    """Return a lower limit of E, (n,): |eps(0)| by component, or for the general conditions its norm in every entry."""
     return np.full(loop.start.shape, np.sqrt((loop.start**2).sum())) if kind == "general" else loop.start
 
 
 def _largest_eps_bound(kind: str, loop: SampledLoop) -> Array:
-    """Return what E may be at most, (n,): |eps| at the clamp."""
+    """Return the largest E that conditions allow, (n,): |eps| at the clamp."""
     largest = loop.numbers.outward(loop.law.eps_at_clamp, -1e-12)
     return np.full(largest.shape, largest.min()) if kind == "general" else largest
 
@@ -191,12 +196,15 @@ def _largest_eps_bound(kind: str, loop: SampledLoop) -> Array:
 # ------------------------------------------------------------------------------------------- search
 
 
-def period_candidate(kind: str, loop: SampledLoop, search: SearchEffort = FINE) -> PeriodCandidate | None:
-    """SearchEffort for the longest period in doubles: tau by halving, then again with values of E around the best."""
+def period_candidate(kind: str, loop: SampledLoop, effort: SearchEffort = PROOF_EFFORT) -> PeriodCandidate | None:
+    """Return the longest period that a search in doubles finds; None where it finds none.
+
+    The period is found by halving for each E of a grid, then again on a grid around the best E.
+    """
     best: PeriodCandidate | None = None
-    grid = _first_grid(kind, loop, search)
-    for _ in range(search.rounds):
-        candidate = None if grid is None else grid.longest(search.halvings)
+    grid = _first_grid(kind, loop, effort)
+    for _ in range(effort.grids):
+        candidate = None if grid is None else grid.longest_candidate(effort.halvings)
         if candidate is not None and (best is None or candidate.seconds > best.seconds):
             best = candidate
         grid = None if grid is None or best is None else grid.around(best.eps_bound)
@@ -204,10 +212,10 @@ def period_candidate(kind: str, loop: SampledLoop, search: SearchEffort = FINE) 
 
 
 def smallest_bound_candidate(kind: str, loop: SampledLoop, tau: float) -> Array | None:
-    """SearchEffort for the smallest E for tau seconds in doubles."""
+    """Return the smallest E, by component, that a search in doubles finds for tau seconds; None where it finds none."""
     eps_bound: Array | None = None
-    grid = _first_grid(kind, loop, FINE)
-    for _ in range(FINE.rounds):
+    grid = _first_grid(kind, loop, PROOF_EFFORT)
+    for _ in range(PROOF_EFFORT.grids):
         finer = None if grid is None else grid.smallest_bound(tau)
         eps_bound = eps_bound if finer is None else finer
         grid = None if grid is None or eps_bound is None else grid.around(eps_bound)
@@ -216,7 +224,7 @@ def smallest_bound_candidate(kind: str, loop: SampledLoop, tau: float) -> Array 
 
 @dataclass(frozen=True)
 class _Grid:
-    """Values of E to try, (R, n), rising."""
+    """A grid of E to try. values: (R, n), R bounds E by component, rising."""
 
     kind: str
     loop: SampledLoop
@@ -226,8 +234,8 @@ class _Grid:
         """Return the smallest of these E, by component, for which the conditions hold at tau."""
         raise NotImplementedError
 
-    def longest(self, halvings: int) -> PeriodCandidate | None:
-        """SearchEffort for the largest tau by halving, and an E for it."""
+    def longest_candidate(self, halvings: int) -> PeriodCandidate | None:
+        """Return the longest tau that halving finds, with an E for it; None where not even a short tau has one."""
         best = self.smallest_bound(0.0)
         if best is None:
             return None
@@ -254,16 +262,16 @@ class _Grid:
         return replace(self, values=np.geomspace(low, high, last + 1))
 
 
-def _first_grid(kind: str, loop: SampledLoop, search: SearchEffort) -> _Grid | None:
+def _first_grid(kind: str, loop: SampledLoop, effort: SearchEffort) -> _Grid | None:
     """Return a grid over the whole range of E; None where the range is empty."""
     low, high = np.maximum(_start_bound(kind, loop) * 1.0001, SMALLEST_EPS_BOUND), _largest_eps_bound(kind, loop) * 0.9999
     if not (np.isfinite(low).all() and (low < high).all()):
         return None
-    grid = _Sharp if kind == "sharp" else _Scalar
-    return grid(kind, loop, np.geomspace(low, high, search.values))
+    grid_class = _SharpGrid if kind == "sharp" else _SharedBoundGrid
+    return grid_class(kind, loop, np.geomspace(low, high, effort.grid_values))
 
 
-class _Sharp(_Grid):
+class _SharpGrid(_Grid):
     """A grid for the sharp conditions, which have one E for each component."""
 
     @cached_property
@@ -280,17 +288,19 @@ class _Sharp(_Grid):
             closing_speed = sharp_closing_speed(loop, self.inputs[chosen, :, components].T)
             with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
                 conditions = sharp_under(loop, self.values[:, None, :], tau, self.inputs, closing_speed)
-            good = np.logical_and.reduce([np.all(np.broadcast_to(c.values > 0, self.inputs.shape), axis=1) for c in conditions])
-            good &= np.arange(len(self.values))[:, None] >= chosen
-            if not good.any(axis=0).all():
+            holds_at = np.logical_and.reduce(
+                [np.all(np.broadcast_to(c.values > 0, self.inputs.shape), axis=1) for c in conditions]
+            )
+            holds_at &= np.arange(len(self.values))[:, None] >= chosen
+            if not holds_at.any(axis=0).all():
                 return None
-            raised = good.argmax(axis=0)
+            raised = holds_at.argmax(axis=0)
             if (raised == chosen).all() or not loop.cross.any():
                 return np.asarray(self.values[raised, components])
             chosen = raised
 
 
-class _Scalar(_Grid):
+class _SharedBoundGrid(_Grid):
     """A grid for the conditions that have one E for all components."""
 
     def smallest_bound(self, tau: float) -> Array | None:
@@ -299,10 +309,10 @@ class _Scalar(_Grid):
         eps_bound = self.values.max(axis=1).reshape(-1, *inner)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             conditions = conditions_of(self.kind, self.loop, eps_bound, tau)
-        good = np.all([np.all(c.values > 0, axis=tuple(range(-len(inner), 0))) for c in conditions], axis=0)
-        if not good.any():
+        holds_at = np.all([np.all(c.values > 0, axis=tuple(range(-len(inner), 0))) for c in conditions], axis=0)
+        if not holds_at.any():
             return None
-        return np.full(self.values.shape[1], eps_bound.ravel()[int(good.argmax())])
+        return np.full(self.values.shape[1], eps_bound.ravel()[int(holds_at.argmax())])
 
 
 def _bottleneck(kind: str, loop: SampledLoop, eps_bound: Array, tau: float) -> tuple[int, int]:
@@ -310,6 +320,8 @@ def _bottleneck(kind: str, loop: SampledLoop, eps_bound: Array, tau: float) -> t
     e, conditions = _as_argument(kind, eps_bound), SAMPLING_CONDITIONS[kind].conditions
     at_tau, at_rest = conditions(loop, e, tau), conditions(loop, e, 0.0)
     pairs = [(np.asarray(a.values, float), np.asarray(b.values, float)) for a, b in zip(at_tau, at_rest, strict=True)]
-    share = np.min([np.divide(a, b, out=np.full(a.shape, np.inf), where=(b > 0) & np.isfinite(b)) for a, b in pairs], axis=0)
-    position = np.unravel_index(int(np.argmin(share)), share.shape)
+    margin_ratio = np.min(
+        [np.divide(a, b, out=np.full(a.shape, np.inf), where=(b > 0) & np.isfinite(b)) for a, b in pairs], axis=0
+    )
+    position = np.unravel_index(int(np.argmin(margin_ratio)), margin_ratio.shape)
     return int(position[0]), int(position[1]) + 1 if len(position) > 1 else 0

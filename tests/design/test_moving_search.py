@@ -197,6 +197,6 @@ def test_a_cell_of_a_slice_is_free_exactly_where_the_box_around_it_is() -> None:
     bounds = obstacle.bounds(9).max(axis=2)
     for k, (i, x), (j, y) in itertools.product(range(9), enumerate(axes[0]), enumerate(axes[1])):
         point = np.array([x, y, centre[2]])
-        distance = obstacle.normal @ point - np.abs(obstacle.normal) @ cells.reach - bounds[:, k]
+        distance = obstacle.normal @ point - np.abs(obstacle.normal) @ cells.growth - bounds[:, k]
         if abs(distance.max()) > 1e-12:
             assert free[k, i, j] == (distance.max() > 0)

@@ -188,11 +188,11 @@ def test_bounds_proved_beforehand_hold_in_the_loop(name: str, plant: str, kind: 
     samples."""
     strength, noise = 0.1, 0.001
     windy = with_disturbance_bound(PLANTS[plant], strength)
-    best = Analysis(controller(name), windy, noise).gains.longest
+    best = Analysis(controller(name), windy, noise).gains.with_longest_period
     if best is None:
         assert (name, plant) == ("omni_s3", "arm") and kind  # noqa: PT018
         return
-    with_best_gain = with_gain(controller(name), best[0].tolist())
+    with_best_gain = with_gain(controller(name), best.gain.tolist())
     prompt = Analysis(with_best_gain, windy, noise).period
     assert prompt is not None
     latency = 0.1 * prompt.seconds

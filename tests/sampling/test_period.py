@@ -447,16 +447,16 @@ def test_in_other_units_periods_and_gains_are_the_same(length: str, time: str) -
     analysis, scaled_analysis = (Analysis(build_once(t)) for t in (task, scaled_task))
     assert analysis.period is not None
     assert scaled_analysis.period is not None
-    assert analysis.gains.longest is not None
-    assert scaled_analysis.gains.longest is not None
+    assert analysis.gains.with_longest_period is not None
+    assert scaled_analysis.gains.with_longest_period is not None
     assert scaled_analysis.period.seconds == pytest.approx(analysis.period.seconds * float(time_factor), rel=0.01)
-    assert scaled_analysis.gains.longest[1].seconds == pytest.approx(
-        analysis.gains.longest[1].seconds * float(time_factor), rel=0.01
+    assert scaled_analysis.gains.with_longest_period.period.seconds == pytest.approx(
+        analysis.gains.with_longest_period.period.seconds * float(time_factor), rel=0.01
     )
-    range_, scaled_range = analysis.gains.range(0.001), scaled_analysis.gains.range(float(time_factor / 1000))
+    range_, scaled_range = analysis.gains.proved_range(0.001), scaled_analysis.gains.proved_range(float(time_factor / 1000))
     assert range_ is not None
     assert scaled_range is not None
-    for gain, scaled_gain in ((range_.first, scaled_range.first), (range_.last, scaled_range.last)):
+    for gain, scaled_gain in ((range_.smallest, scaled_range.smallest), (range_.largest, scaled_range.largest)):
         assert gain is not None
         assert scaled_gain == pytest.approx(
             gain * float(length_factor**2 / time_factor), rel=0.03
@@ -496,7 +496,7 @@ def range_case(name: str) -> RangeCase:
     )
     setting = loop_of(task, controller.design, *errors)
     seconds = float(task.sampling_period + task.control.latency)
-    gains = Gains(setting, setting.law.gain, kinds=("sharp",)).range(seconds)
+    gains = Gains(setting, setting.law.gain, kinds=("sharp",)).proved_range(seconds)
     assert gains is not None
     return RangeCase(task, controller.design, errors, gains)
 
@@ -519,21 +519,26 @@ def is_certified(task: Task, gain: np.ndarray, design: Any, errors: Any) -> bool
 @pytest.mark.parametrize("name", RANGES)
 def test_every_gain_of_a_printed_range_is_proved_and_those_beyond_an_end_are_not(name: str) -> None:
     gains, draw = range_case(name).gains, random.Random(name)
-    last_gain = gains.last if gains.last is not None else gains.first * 1e12
-    gains_inside = [gains.first * (last_gain / gains.first) ** draw.random() for _ in range(3)]
-    for gain in (gains.first, last_gain, *gains_inside, *([gains.first * 10, gains.first * 1e6] * (gains.last is None))):
+    last_gain = gains.largest if gains.largest is not None else gains.smallest * 1e12
+    gains_inside = [gains.smallest * (last_gain / gains.smallest) ** draw.random() for _ in range(3)]
+    for gain in (
+        gains.smallest,
+        last_gain,
+        *gains_inside,
+        *([gains.smallest * 10, gains.smallest * 1e6] * (gains.largest is None)),
+    ):
         assert p9_holds(name, gain), gain
-    assert gains.first_is_end
-    assert not p9_holds(name, gains.first * 0.97)  # 1 % of rounding, and the search's tolerance
-    if gains.last is not None:
-        assert gains.last_is_end
+    assert gains.fails_below
+    assert not p9_holds(name, gains.smallest * 0.97)  # 1 % of rounding, and the search's tolerance
+    if gains.largest is not None:
+        assert gains.fails_above
         for beyond in (1.03, 1e3):
-            assert not p9_holds(name, gains.last * beyond)
+            assert not p9_holds(name, gains.largest * beyond)
 
 
 def test_a_range_has_no_end_where_u_is_limited_and_only_there() -> None:
     """Without a limit |u| grows with the gain, and no period is short enough for all of them."""
-    endless = {name for name in RANGES if range_case(name).gains.last is None}
+    endless = {name for name in RANGES if range_case(name).gains.largest is None}
     assert endless == {name for name in RANGES if range_case(name).task.u_max is not None}
     assert len(endless) == 4
 
@@ -543,12 +548,12 @@ def test_with_a_limit_that_is_large_for_the_period_the_range_has_an_end() -> Non
     task, design, errors, _ = range_case("unlimited")
     with_limit = task.changed(control={"u_max": 50})
     setting = loop_of(with_limit, design, *errors)
-    gains = Gains(setting, setting.law.gain, kinds=("sharp",)).range(float(task.sampling_period + task.control.latency))
+    gains = Gains(setting, setting.law.gain, kinds=("sharp",)).proved_range(float(task.sampling_period + task.control.latency))
     assert gains is not None
-    assert gains.last is not None
-    assert gains.last_is_end
-    assert is_certified(with_limit, gains.last, design, errors)
-    assert not is_certified(with_limit, gains.last * 1e3, design, errors)
+    assert gains.largest is not None
+    assert gains.fails_above
+    assert is_certified(with_limit, gains.largest, design, errors)
+    assert not is_certified(with_limit, gains.largest * 1e3, design, errors)
 
 
 def test_a_search_that_stops_early_reports_open_ends(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -556,10 +561,10 @@ def test_a_search_that_stops_early_reports_open_ends(monkeypatch: pytest.MonkeyP
     _, setting, task = loops_of_case("plain")
     monkeypatch.setattr("stt_codegen.sampling.gains.GAIN_SEARCH_LIMIT", 1.5)
     assert GAIN_SEARCH_LIMIT == 1e6
-    gains = Gains(setting, setting.law.gain, kinds=("sharp",)).range(float(task.sampling_period + task.control.latency))
+    gains = Gains(setting, setting.law.gain, kinds=("sharp",)).proved_range(float(task.sampling_period + task.control.latency))
     assert gains is not None
-    assert gains.last is not None
-    assert not gains.first_is_end
-    assert not gains.last_is_end
-    text = ProvedGains(tuple(gains.first.tolist()), tuple(gains.last.tolist()), gains.first_is_end, gains.last_is_end).text
+    assert gains.largest is not None
+    assert not gains.fails_below
+    assert not gains.fails_above
+    text = ProvedGains(tuple(gains.smallest.tolist()), tuple(gains.largest.tolist()), gains.fails_below, gains.fails_above).text
     assert re.fullmatch(r"from [\d.]+ or less to at least [\d.]+", text)

@@ -256,8 +256,8 @@ def test_for_a_gain_that_is_too_small_another_one_is_proposed(tmp_path: Path) ->
     analysis = Analysis(build_with_gain(controller.task, "0.0001"))
     assert analysis.period is None
     assert not next(h for h in analysis.hypotheses() if h.name == "Theorem 4.1").holds
-    assert analysis.gains.longest is not None
-    assert Analysis(build_with_gain(controller.task, str(analysis.gains.longest[0][0]))).period is not None
+    assert analysis.gains.with_longest_period is not None
+    assert Analysis(build_with_gain(controller.task, str(analysis.gains.with_longest_period.gain[0]))).period is not None
 
 
 def build_with_gain(task: Any, gain: str) -> Any:

@@ -199,14 +199,14 @@ def test_the_end_box_of_a_route_lies_in_the_target_and_is_the_largest_of_its_pro
     assert box is not None
     for cuts in (arena.space_cuts, arena.target_cuts):  # a box of half widths `inset` about any corner satisfies every cut
         for corner in itertools.product(*box.T.tolist()):
-            margins = cuts.normal @ np.array(corner) - np.abs(cuts.normal) @ inset - cuts.bound
+            margins = cuts.normal @ np.array(corner) - np.abs(cuts.normal) @ inset - cuts.lower_bound
             assert margins.min() >= -1e-9  # at least ten times the solver's tolerance of a row
     assert (goal[0] - 1e-9 <= box[0]).all()
     assert (box[1] <= goal[1] + 1e-9).all()
     half = (goal[1] - goal[0]) / 2
     rows, ends = [], []
     for normal, bound in zip(
-        *(np.concatenate([getattr(c, f) for c in (arena.space_cuts, arena.target_cuts)]) for f in ("normal", "bound")),
+        *(np.concatenate([getattr(c, f) for c in (arena.space_cuts, arena.target_cuts)]) for f in ("normal", "lower_bound")),
         strict=True,
     ):
         rows.append([*-normal, float(np.abs(normal) @ half)])
@@ -260,7 +260,7 @@ def test_half_spaces_across_one_axis_are_bounds_of_it() -> None:
         )
     )
     arena = arena_of(task)
-    assert arena.space_cuts.bound.size == 0
+    assert arena.space_cuts.lower_bound.size == 0
     assert arena.space[:, 1] + float(arena.origin[1]) == pytest.approx([0.1, 4.9], abs=1e-4)
     assert task.space_cuts == (((0, 1, 0), Fraction("4.9")), ((0, -1, 0), Fraction("-0.1")))
 

@@ -25,12 +25,12 @@ from stt_codegen.sampling import (
     Gains,
     Period,
     SampledLoop,
+    balancing_gain,
     choose_proved_gain,
     exact_loop,
     inputs_where_proved,
     longest_proved_period,
     loop_of,
-    natural_gain,
     prove_for_period,
     rounded_gain,
 )
@@ -51,10 +51,10 @@ def choose_gain(
     Where no gain is proved for the period, it is the gain of the longest period; the refusal then says what would do.
     """
     loop = loop_of(task, design, edge_error, rate)
-    shape = natural_gain(loop)
+    proportions = balancing_gain(loop)
     age = float(task.sampling_period + task.control.latency)
-    choice = choose_proved_gain(loop, age, kinds=("sharp",)) or Gains(loop, shape, kinds=("sharp",)).longest
-    gain = rounded_gain(shape) if choice is None else choice[0]
+    choice = choose_proved_gain(loop, age, kinds=("sharp",)) or Gains(loop, proportions, kinds=("sharp",)).with_longest_period
+    gain = rounded_gain(proportions) if choice is None else choice.gain
     return tuple(Fraction(f"{k:.12g}") for k in gain.tolist())
 
 
@@ -163,7 +163,7 @@ def _advice(task: Task, loop: SampledLoop, age: Fraction) -> str:
     if task.uses_differences:
         why = "the error of a velocity by differences grows with it, what noise adds falls"
         return f"use another control.period ({why}), state less noise, or measure the velocity"
-    gains, latency = Gains(loop, natural_gain(loop), kinds=("sharp",)), float(task.control.latency)
+    gains, latency = Gains(loop, balancing_gain(loop), kinds=("sharp",)), float(task.control.latency)
     sign = 1 if task.gain[0] > 0 else -1
 
     def written(gain: Array) -> str:
@@ -171,15 +171,18 @@ def _advice(task: Task, loop: SampledLoop, age: Fraction) -> str:
 
     best = choose_proved_gain(loop, float(age), kinds=("sharp",))
     if best is not None:
-        return f'use control.gain = "auto" (here {written(best[0])})' if sign > 0 else f"use control.gain = {written(best[0])}"
-    remedies, longest_seconds = [], gains.longest[1].seconds if gains.longest else 0.0
-    if gains.longest is not None and longest_seconds > latency:
-        remedies.append(f"control.period = {_below(longest_seconds - latency):g} with gain {written(gains.longest[0])}")
-    limited = gains.limited
-    if limited is not None and limited[2].seconds > max(WORTHWHILE_PERIOD_RATIO * longest_seconds, latency):
-        seconds = min(_below(limited[2].seconds - latency), float(age) - latency)
-        u_max = by_component(limited[0].tolist())
-        remedies.append(f"control.u_max = {u_max} and control.period = {seconds:.6g} with gain {written(limited[1])}")
+        return (
+            f'use control.gain = "auto" (here {written(best.gain)})' if sign > 0 else f"use control.gain = {written(best.gain)}"
+        )
+    best = gains.with_longest_period
+    remedies, longest_seconds = [], best.period.seconds if best else 0.0
+    if best is not None and longest_seconds > latency:
+        remedies.append(f"control.period = {_below(longest_seconds - latency):g} with gain {written(best.gain)}")
+    limited = gains.with_suggested_limits
+    if limited is not None and limited.period.seconds > max(WORTHWHILE_PERIOD_RATIO * longest_seconds, latency):
+        seconds = min(_below(limited.period.seconds - latency), float(age) - latency)
+        u_max = by_component(limited.u_max.tolist())
+        remedies.append(f"control.u_max = {u_max} and control.period = {seconds:.6g} with gain {written(limited.gain)}")
     if remedies:
         return f"use {', or '.join(remedies)}"
     limits = "" if task.u_max is None else " with this control.u_max"  # another one, smaller too, is not searched for

@@ -12,25 +12,25 @@ from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.linear_programs.solver import ProgramBounds, Rows, minimise
 
 
-def inner_box(arena: Arena, goal: Array, inset: Array) -> Array | None:
-    """Return the largest box with the proportions of `goal` in which a tube's centre may be, shape (2, n); None for none.
+def inner_box(arena: Arena, goal: Array, half_width: Array) -> Array | None:
+    """Return the largest box with the proportions of `goal` in which a tube's centre may be, (2, n); None where there is none.
 
-    goal: (2, n), the target for the centre. inset: (n,), half widths of the tube. A box of these half widths about any point of
+    goal: (2, n), the target for the centre. half_width: (n,), of the tube. A box of these half widths about any point of
     the result lies in all half-spaces that cut the space and the target. One linear program finds the box's centre and its size
-    as a share of the goal.
+    relative to the goal.
     """
     n, half = arena.dimension, (goal[1] - goal[0]) / 2
     if (half < 0).any():
         return None
     normal = np.concatenate([arena.space_cuts.normal, arena.target_cuts.normal])
-    low = np.concatenate([arena.space_cuts.bound, arena.target_cuts.bound])
+    low = np.concatenate([arena.space_cuts.lower_bound, arena.target_cuts.lower_bound])
     rows: list[tuple[list[int], list[float]]] = []
     for row in normal.tolist():
         size = 0.0
         for c, h in zip(row, half.tolist(), strict=True):
             size += abs(c) * h
         rows.append(([*range(n), n], [*row, -size]))
-    for i, r in enumerate(inset.tolist()):
+    for i, r in enumerate(half_width.tolist()):
         low = low + np.abs(normal[:, i]) * r
     for i in range(n):
         rows += [([i, n], [1.0, -float(half[i])]), ([i, n], [1.0, float(half[i])])]
@@ -44,5 +44,5 @@ def inner_box(arena: Arena, goal: Array, inset: Array) -> Array | None:
     solution = minimise(np.append(np.zeros(n), -1.0), Rows.of(rows), bounds)
     if solution is None:
         return None
-    centre, share = solution[:n], float(solution[n])
-    return np.stack([centre - share * half, centre + share * half])
+    centre, size_ratio = solution[:n], float(solution[n])
+    return np.stack([centre - size_ratio * half, centre + size_ratio * half])

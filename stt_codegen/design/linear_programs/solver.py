@@ -179,4 +179,4 @@ def face_terms(arena: Arena, x: int, edge: Columns) -> tuple[list[int], list[flo
 
 def face_bound(arena: Arena, x: int) -> float:
     """Return what low_n must be at least for the oblique face x: h(n) and the clearance."""
-    return float(arena.oblique_faces.bound[x] + arena.clearance)
+    return float(arena.oblique_faces.upper_bound[x] + arena.clearance)

@@ -88,7 +88,7 @@ class OrderSearch:
         arena, half_width = waypoints.arena, waypoints.width / 2
         lower, upper = arena.target[0] + half_width - TOLERANCE, arena.target[1] - half_width + TOLERANCE
         possible[END] &= ((waypoints.nodes >= lower) & (waypoints.nodes <= upper)).all(axis=1)
-        if len(arena.target_cuts.bound):
+        if len(arena.target_cuts.lower_bound):
             possible[END] &= arena.target_cuts.contain_boxes(waypoints.nodes, half_width)
         return possible
 

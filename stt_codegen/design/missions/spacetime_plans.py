@@ -67,7 +67,7 @@ class _Layers:
     def _costs(self, pace: int) -> list[list[Costs]]:
         """Return the smallest cost to each cell by knot and layer; UNREACHABLE where no route leads."""
         cost = [np.full(self.search.goal.shape, UNREACHABLE, dtype=np.int32) for _ in self.event_cells]
-        cost[0][self.search.first] = 0
+        cost[0][self.search.start_cell] = 0
         costs: list[list[Costs]] = []
         segments = len(self.search.free)
         for k in range(segments + 1):
@@ -94,7 +94,7 @@ class _StateCells:
     """The cells in which the states of a mission hold."""
 
     def __init__(self, mission: Mission, arena: Arena, search: SliceSearch, width: Array) -> None:
-        self.mission, self.half_width, self.reach = mission, width / 2, arena.clearance + width / 2
+        self.mission, self.half_width, self.growth = mission, width / 2, arena.clearance + width / 2
         self.shape = search.goal.shape
         self.points = np.stack(np.meshgrid(*search.cells.axes, indexing="ij"), axis=-1).reshape(-1, arena.dimension)
         self.cache: dict[StateFormula, Flags] = {}
@@ -104,7 +104,7 @@ class _StateCells:
         cells = np.ones(self.shape, dtype=bool)
         for state in states:
             if state not in self.cache:
-                allowed = self.mission.states[state].holds_about(self.points, self.half_width, self.reach)
+                allowed = self.mission.states[state].holds_about(self.points, self.half_width, self.growth)
                 self.cache[state] = allowed.reshape(self.shape)
             cells &= self.cache[state]
         return cells
@@ -141,7 +141,7 @@ def _layers_of(plan: Plan, events: Sequence[int], search: SliceSearch, state_cel
         done = set(events[: layer + 1])
         allowed_cells.append(state_cells.cells_of(h.state for h in holds if h.first in done and h.last not in done))
     event_cells = [state_cells.cells_of(h.state for h in holds if event in (h.first, h.last)) for event in events]
-    allowed_cells[0][search.first] = event_cells[0][search.first] = True
+    allowed_cells[0][search.start_cell] = event_cells[0][search.start_cell] = True
     event_cells[-1] = event_cells[-1] & search.goal
     windows = [
         (

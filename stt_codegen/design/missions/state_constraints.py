@@ -59,7 +59,7 @@ class ConvexPiece:
         lower, upper = self.box[0] + half_widths - BOX_TOLERANCE, self.box[1] - half_widths + BOX_TOLERANCE
         inside = ((centres >= lower) & (centres <= upper)).all(axis=1)
         return np.asarray(
-            inside & self.half_spaces.contain_boxes(centres, half_widths) if len(self.half_spaces.bound) else inside
+            inside & self.half_spaces.contain_boxes(centres, half_widths) if len(self.half_spaces.lower_bound) else inside
         )
 
     def box_of_centres(self, arena: Arena, half_widths: Array) -> Array | None:
@@ -67,7 +67,11 @@ class ConvexPiece:
         box = np.stack([self.box[0] + half_widths, self.box[1] - half_widths])
         if (box[0] > box[1]).any():
             return None
-        return inner_box(replace(arena, target_cuts=self.half_spaces), box, half_widths) if len(self.half_spaces.bound) else box
+        return (
+            inner_box(replace(arena, target_cuts=self.half_spaces), box, half_widths)
+            if len(self.half_spaces.lower_bound)
+            else box
+        )
 
 
 @dataclass(frozen=True)
@@ -101,16 +105,16 @@ class StateConstraint:
             for normal, bound in self.choices
         )
 
-    def grown_obstacles(self, reach: Array) -> GrownObstacles | None:
+    def grown_obstacles(self, growth: Array) -> GrownObstacles | None:
         """Return the sets of the complement, grown by `reach` (n,) for the centre of a tube; None without a complement."""
-        return None if self.complement is None else grow_obstacles(self.complement, reach)
+        return None if self.complement is None else grow_obstacles(self.complement, growth)
 
-    def holds_about(self, centres: Array, half_widths: Array, reach: Array) -> npt.NDArray[np.bool_]:
+    def holds_about(self, centres: Array, half_widths: Array, growth: Array) -> npt.NDArray[np.bool_]:
         """Return about which centres (P, n) the state holds for the box of these half widths (n,): (P,).
 
         reach: (n,), the half widths and the clearance.
         """
-        obstacles = self.grown_obstacles(reach)
+        obstacles = self.grown_obstacles(growth)
         if obstacles is not None:  # the complement also allows boxes that lie across two pieces of a union
             return np.asarray(~obstacles.contain(centres))
         return np.asarray(np.any([piece.contains_boxes(centres, half_widths) for piece in self.pieces], axis=0))
@@ -220,7 +224,7 @@ def _choice_of(constraints: Sequence[Constraint], arena: Arena) -> HalfSpaceChoi
         if constraint.dimension is not None:
             ((i, _, c),) = constraint.terms
             bound[2 * i + (c > 0)] = _bound_of(constraint, arena)
-    return HalfSpaceChoice(np.concatenate([normal, oblique.normal]), np.concatenate([bound, oblique.bound]))
+    return HalfSpaceChoice(np.concatenate([normal, oblique.normal]), np.concatenate([bound, oblique.lower_bound]))
 
 
 def _piece_of(constraints: Sequence[Constraint], arena: Arena) -> ConvexPiece:

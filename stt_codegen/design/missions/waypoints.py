@@ -45,7 +45,7 @@ class Waypoints:
     _legs: dict[tuple[int, int], tuple[Array, Predecessors]] = field(default_factory=dict)
 
     @cached_property
-    def reach(self) -> Array:
+    def growth(self) -> Array:
         """Return how far a set must be from the centre, on each axis: the clearance and half of the width, (n,)."""
         return np.asarray(self.arena.clearance + self.width / 2)
 
@@ -58,7 +58,7 @@ class Waypoints:
         """
         half_width, centre = self.width / 2, (self.start[0] + self.start[1]) / 2
         space, target = (np.stack([box[0] + half_width, box[1] - half_width]) for box in (self.arena.space, self.arena.target))
-        obstacles = grow_obstacles(self.arena, self.reach)
+        obstacles = grow_obstacles(self.arena, self.growth)
         points = np.concatenate([route_nodes(obstacles, space, target, centre), *self._region_points(space, target, centre)])
         is_free = self._free(points, space, obstacles)
         if not is_free[0]:
@@ -71,7 +71,7 @@ class Waypoints:
         points, middles = [], []
         boxes: list[list[Array]] = []  # of centres, for each state
         for constraint in self.mission.states.values():
-            excluded = constraint.grown_obstacles(self.reach)
+            excluded = constraint.grown_obstacles(self.growth)
             if excluded is not None:
                 points.append(route_nodes(excluded, space, target, centre))
             pieces = (piece.box_of_centres(self.arena, self.width / 2) for piece in constraint.pieces)
@@ -87,14 +87,14 @@ class Waypoints:
         """Return which points (P, n) are in the space, clear of the obstacles and in all permanent states: (P,)."""
         is_clear = ~obstacles.contain(points)
         is_free = is_clear & ((points >= space[0] - TOLERANCE) & (points <= space[1] + TOLERANCE)).all(axis=1)
-        if len(self.arena.space_cuts.bound):
+        if len(self.arena.space_cuts.lower_bound):
             is_free &= self.arena.space_cuts.contain_boxes(points, self.width / 2)
         is_free[0] |= is_clear[0]  # gamma(0) is in the space, though a box of this width about its centre may not be
         for state in self.mission.permanent_states:
             constraint = self.mission.states[state]
-            excluded = constraint.grown_obstacles(self.reach - EDGE_ALLOWANCE)
+            excluded = constraint.grown_obstacles(self.growth - EDGE_ALLOWANCE)
             if excluded is None:
-                is_free &= constraint.holds_about(points, self.width / 2, self.reach)
+                is_free &= constraint.holds_about(points, self.width / 2, self.growth)
             else:
                 is_free &= ~excluded.contain(points)
         return np.asarray(is_free)
@@ -118,7 +118,7 @@ class Waypoints:
 
     def _visibility_in(self, arena: Arena) -> Flags:
         """Return between which nodes the straight line meets none of an arena's unsafe sets, made a little smaller: (N, N)."""
-        obstacles = grow_obstacles(arena, self.reach - EDGE_ALLOWANCE)
+        obstacles = grow_obstacles(arena, self.growth - EDGE_ALLOWANCE)
         is_visible = np.ones((len(self.nodes),) * 2, dtype=bool)
         if len(arena.names):
             for k, node in enumerate(self.nodes[:-1]):
@@ -130,7 +130,7 @@ class Waypoints:
     def nodes_in_state(self) -> dict[StateFormula, Flags]:
         """Return for each state at which nodes it holds: (N,)."""
         half_width = self.width / 2
-        return {state: c.holds_about(self.nodes, half_width, self.reach) for state, c in self.mission.states.items()}
+        return {state: c.holds_about(self.nodes, half_width, self.growth) for state, c in self.mission.states.items()}
 
     def visibility_within(self, state: StateFormula) -> Flags:
         """Return between which nodes a state holds all along the straight line: (N, N)."""
@@ -143,7 +143,7 @@ class Waypoints:
 
     def passable_nodes(self, state: StateFormula) -> Flags:
         """Return at which nodes the tube may be while a state holds, also across two boxes of a union: (N,)."""
-        obstacles = self.mission.states[state].grown_obstacles(self.reach - EDGE_ALLOWANCE)
+        obstacles = self.mission.states[state].grown_obstacles(self.growth - EDGE_ALLOWANCE)
         return self.nodes_in_state[state] if obstacles is None else ~obstacles.contain(self.nodes)
 
     def _graph(self, states: int) -> Array:

@@ -179,8 +179,8 @@ class _Model:
         steepness = c * (radius * radius / (half * half) - 1)
         side = LOWER if push.above else UPPER
         m = _round_to_bits(middle)
-        reach = min(m, self.design.prescribed_time - m)  # the bump must not be alive at 0 or t_c
-        r = min(_round_to_bits(radius), _round_to_bits(float(reach) * (1 - 2.0**-BITS)))
+        time_to_end = min(m, self.design.prescribed_time - m)  # the bump must not be alive at 0 or t_c
+        r = min(_round_to_bits(radius), _round_to_bits(float(time_to_end) * (1 - 2.0**-BITS)))
         return Bump(
             dimension=i,
             side=side,

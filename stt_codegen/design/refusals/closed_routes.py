@@ -145,7 +145,7 @@ def _describe_closing(arena: Arena, obstacle: TimedObstacle, searched: Sequence[
         for other_obstacle in arena.timed_obstacles:
             if other_obstacle is not obstacle:
                 search.cells.block(free_of_rest, other_obstacle)
-        free_of_rest[0][search.first] = True
+        free_of_rest[0][search.start_cell] = True
         if replace(search, free=free_of_rest).has_route():
             times = (f"{k / len(search.free) * arena.time_unit:.3g} s" for k in _closing_segments(search, free_of_rest))
             return f"{obstacle.name} (a way would open if it were safe from {' to '.join(times)})"

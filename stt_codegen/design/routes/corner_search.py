@@ -1,10 +1,10 @@
 """The shortest route of the tube's centre over the corners of the grown unsafe sets, in the largest-component metric.
 
 Nodes are the corners of the grown sets (a shortest path in any norm bends only there in the plane); edges are the straight lines
-that meet no grown set's interior. Searched by A*, edges found when a node is first expanded. In three and more dimensions the
-corners give a good route rather than the shortest; the linear programs improve it. Where some dimensions may be faster than
-others a component counts for the time that it takes (`Arena.distance`). shortest_route.py has what is tried where this finds no
-route.
+that meet no grown set's interior. The search is A*; it finds the edges of a node when it first expands the node. In three and
+more dimensions the corners give a good route rather than the shortest; the linear programs improve it. Where some dimensions may
+be faster than others, a component counts by the time that it takes (`Arena.distance`). shortest_route.py has the searches that
+follow where this one finds no route.
 """
 
 from __future__ import annotations
@@ -21,69 +21,79 @@ from stt_codegen.design.linear_programs import inner_box
 from stt_codegen.design.routes.grown_sets import GrownObstacles, grow_obstacles
 
 COMPONENT_SUM_WEIGHT = 1e-4  # of the sum of components: breaks the many ties of the largest-component metric
-NEIGHBOUR_LIMIT = 128  # nodes looked at from one, before all are
-CORNER_DIMENSION_LIMIT = 6  # above 2**6 corners a set, only the corners nearest to start and target are used
+NEIGHBOUR_LIMIT = 128  # nearest nodes to which a node's lines of sight are checked
+CORNER_DIMENSION_LIMIT = 6  # dimensions; with more, only the corners of a set nearest to start and target are nodes
 
 
 @dataclass(frozen=True)
 class Route:
     """A polyline from the centre of the start to a point of the target.
 
-    points: (m + 1, n). length: in the largest-component metric. reach: (n,), clearance and half width, by which the route avoids
-    the unsafe sets.
+    points: (m + 1, n). length: in the largest-component metric. growth: (n,), clearance plus half width of the
+    tube: the route is outside of the unsafe sets grown by it.
     """
 
     points: Array
     length: float
-    reach: Array
+    growth: Array
 
 
 @dataclass(frozen=True, kw_only=True)
 class CentreProblem:
-    """What a route of the tube's centre is searched in.
+    """The space in which a route of the tube's centre is searched.
 
-    obstacles: unsafe sets grown by `reach` (n,). space, goal: state space and target shrunk by `inset` (n,), of shape (2, n); of
-    a target that is cut a box in it.
+    growth (n,): clearance plus half width of the tube. half_width (n,): of the tube. obstacles: the unsafe sets grown by
+    `growth`. space, goal: state space and target shrunk by `half_width`, (2, n); where half-spaces cut the target, `goal` is a
+    box in it.
     """
 
     arena: Arena
     centre: Array
-    reach: Array
-    inset: Array
+    growth: Array
+    half_width: Array
     obstacles: GrownObstacles
     space: Array
     goal: Array
 
 
-def centre_problem_of(arena: Arena, centre: Array, reach: Array, inset: Array) -> CentreProblem | None:
-    """Return the problem for a tube with these distances from unsafe sets and walls; None where its target is empty."""
-    space, goal = (np.stack([box[0] + inset, box[1] - inset]) for box in (arena.space, arena.target))
-    if len(arena.target_cuts.bound) or len(arena.space_cuts.bound):
-        inner = inner_box(arena, goal, inset)
+def centre_problem_of(arena: Arena, centre: Array, growth: Array, half_width: Array) -> CentreProblem | None:
+    """Return the search problem of a tube from `centre`; None where half-spaces leave no box in the target for its centre.
+
+    growth (n,): the distance of the centre from unsafe sets. half_width (n,): its distance from the ends of the space.
+    """
+    space, goal = (np.stack([box[0] + half_width, box[1] - half_width]) for box in (arena.space, arena.target))
+    if len(arena.target_cuts.lower_bound) or len(arena.space_cuts.lower_bound):
+        inner = inner_box(arena, goal, half_width)
         if inner is None:
             return None
         goal = inner
     return CentreProblem(
         arena=arena,
         centre=centre,
-        reach=reach,
-        inset=inset,
-        obstacles=grow_obstacles(arena, reach),
+        growth=growth,
+        half_width=half_width,
+        obstacles=grow_obstacles(arena, growth),
         space=space,
         goal=goal,
     )
 
 
 def search_finds_every_route(arena: Arena) -> bool:
-    """Return whether a search among corners finds every route: in the plane, when it looks at all of them."""
+    """Return whether the search among corners finds a route whenever there is one.
+
+    It does in the plane, if it checks all lines of sight and the half-spaces of every set describe the set completely.
+    """
     corners = sum(4 if b is None else b.shape[1] for b in arena.oblique_faces.bends)
     return arena.dimension == 2 and corners + 6 <= NEIGHBOUR_LIMIT and arena.oblique_faces.is_complete
 
 
-def search_corners(problem: CentreProblem, *, longest: float = np.inf, neighbour_limit: int = NEIGHBOUR_LIMIT) -> Route | None:
-    """Return the shortest route over corners that is no longer than `longest`; None when none is found.
+def search_corners(
+    problem: CentreProblem, *, length_limit: float = np.inf, neighbour_limit: int = NEIGHBOUR_LIMIT
+) -> Route | None:
+    """Return the shortest route over corners that is no longer than `length_limit`; None where none is found.
 
-    From a node only so many nearest nodes are looked at, which is quick with a thousand unsafe sets and may then miss a route.
+    The search checks only the `neighbour_limit` nearest nodes of each node. That is quick with a thousand unsafe sets, but it may
+    miss a route.
     """
     arena, obstacles = problem.arena, problem.obstacles
     nodes = _free_nodes(problem)
@@ -98,7 +108,9 @@ def search_corners(problem: CentreProblem, *, longest: float = np.inf, neighbour
     closed = np.zeros(len(nodes), dtype=bool)
     queue: list[tuple[float, int]] = [(float(remaining[0]), 0)]
     best_cost, last = np.inf, -1
-    cost_limit = longest * (1 + COMPONENT_SUM_WEIGHT * arena.dimension)  # the sum of components is at most n times the largest
+    cost_limit = length_limit * (
+        1 + COMPONENT_SUM_WEIGHT * arena.dimension
+    )  # the sum of components is at most n times the largest
     while queue:
         estimate, v = heapq.heappop(queue)
         if estimate >= best_cost:
@@ -129,8 +141,8 @@ def _free_nodes(problem: CentreProblem) -> Array | None:
     if buried[0]:
         return None
     nodes = nodes[~buried]
-    if len(arena.space_cuts.bound):
-        nodes = nodes[arena.space_cuts.contain_boxes(nodes, problem.inset) | (np.arange(len(nodes)) == 0)]
+    if len(arena.space_cuts.lower_bound):
+        nodes = nodes[arena.space_cuts.contain_boxes(nodes, problem.half_width) | (np.arange(len(nodes)) == 0)]
     return np.asarray(nodes)
 
 
@@ -148,7 +160,7 @@ def _route_to(problem: CentreProblem, nodes: Array, parent: list[int], last: int
 def route_through(problem: CentreProblem, points: Array) -> Route:
     """Return the route over these points (m + 1, n)."""
     steps = problem.arena.distance(points[1:] - points[:-1])
-    return Route(points, float(np.cumsum(steps)[-1]), problem.reach)
+    return Route(points, float(np.cumsum(steps)[-1]), problem.growth)
 
 
 def route_nodes(obstacles: GrownObstacles, space: Array, goal: Array, centre: Array) -> Array:
@@ -188,7 +200,7 @@ def _nodes_beside(choices: list[list[float]], anchor: Array) -> list[Array]:
 
 
 def _length(arena: Arena, steps: Array) -> Array:
-    """Return the length of steps (shape (P, n)): what they take at full speed, ties broken by the sum of components."""
+    """Return the length of steps (P, n) as a search compares it: `Arena.distance`, with ties broken by the sum of components."""
     size = np.abs(steps)
     total = size[:, 0].copy()
     for i in range(1, size.shape[1]):

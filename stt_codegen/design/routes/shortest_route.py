@@ -15,7 +15,7 @@ import numpy as np
 from stt_codegen.decimals import below
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array, HalfSpaces
-from stt_codegen.design.routes.cell_path import GRID_DIVISIONS, can_flood, find_cell_path, find_grid_path
+from stt_codegen.design.routes.cell_path import GRID_DIVISIONS, find_cell_path, find_grid_path, has_few_cells
 from stt_codegen.design.routes.corner_search import (
     CentreProblem,
     Route,
@@ -27,9 +27,9 @@ from stt_codegen.design.routes.corner_search import (
 from stt_codegen.errors import NotCertified
 from stt_codegen.properties import Property
 
-HALVINGS = 30  # to find the largest clearance or width with a route
+HALVINGS = 30  # of the search for the largest clearance or width with a route
 LEG_DIMENSIONS = 3  # dimensions that move together in a leg of a route in many dimensions
-NAMED_SET_LIMIT = 40  # up to so many unsafe sets, a refusal names those that alone close the route
+NAMED_SET_LIMIT = 40  # unsafe sets of an arena; with more, a refusal names no set that closes the route by itself
 
 
 def shortest_route(arena: Arena, start: Array, width: Array) -> Route:
@@ -44,26 +44,36 @@ def shortest_route(arena: Arena, start: Array, width: Array) -> Route:
     return route
 
 
-def find_corner_route(arena: Arena, start: Array, width: Array, longest: float = np.inf) -> Route | None:
-    """Return a route as `shortest_route`, among corners alone; None when there is none up to `longest`, or none is found."""
+def find_corner_route(arena: Arena, start: Array, width: Array, length_limit: float = np.inf) -> Route | None:
+    """Return a route as `shortest_route` does, from the search among corners alone.
+
+    None where that search finds no route of a length up to `length_limit`; there may still be one.
+    """
     problem = centre_problem_of(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2, width / 2)
-    return None if problem is None else search_corners(problem, longest=longest)
+    return None if problem is None else search_corners(problem, length_limit=length_limit)
 
 
-def find_route(arena: Arena, start: Array, width: Array, longest: float = np.inf) -> Route | None:
-    """Return a route up to `longest`, among corners, else through the cells between the sets; None when none is found."""
+def find_route(arena: Arena, start: Array, width: Array, length_limit: float = np.inf) -> Route | None:
+    """Return a route of a length up to `length_limit`, from the search among corners, else from the flood of cells.
+
+    None where neither finds one; there may still be one.
+    """
     problem = centre_problem_of(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2, width / 2)
     if problem is None:
         return None
-    route = search_corners(problem, longest=longest)
+    route = search_corners(problem, length_limit=length_limit)
     if route is None:
         route = _find_cell_route(problem)
-    return route if route is not None and route.length <= longest else None
+    return route if route is not None and route.length <= length_limit else None
 
 
-def _first_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route | None:
-    """Return the route of the first search that finds one."""
-    problem = centre_problem_of(arena, centre, reach, inset)
+def _first_route(arena: Arena, centre: Array, growth: Array, half_width: Array) -> Route | None:
+    """Return the route of the first search that finds one; None where no search does.
+
+    growth (n,): by how much the unsafe sets are grown, clearance and half width. half_width (n,): by how much the space is
+    shrunk.
+    """
+    problem = centre_problem_of(arena, centre, growth, half_width)
     if problem is None:
         return None
     searches: tuple[Callable[[CentreProblem], Route | None], ...] = (
@@ -76,38 +86,43 @@ def _first_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Rou
 
 
 def _find_cell_route(problem: CentreProblem) -> Route | None:
-    """Return a route through the cells between the grown sets' edges, shortened where the line of sight is free.
+    """Return a route through the cells that the faces of the grown sets' bounding boxes cut, shortened by lines of sight.
 
-    None also where the corners have already found every route, or where there are too many cells.
+    Every set counts as its bounding box. None where the flood finds no path. The flood is not tried, with the result None, in
+    three cases: half-spaces cut the state space, the search among corners finds every route, or there are too many cells.
     """
     arena = problem.arena
-    if len(arena.space_cuts.bound) or search_finds_every_route(arena) or not can_flood(len(arena.names), arena.dimension):
+    if (
+        len(arena.space_cuts.lower_bound)
+        or search_finds_every_route(arena)
+        or not has_few_cells(len(arena.names), arena.dimension)
+    ):
         return None
     return _shortened(problem, find_cell_path(*problem.obstacles.spans, problem.space, problem.goal, problem.centre))
 
 
 def _find_grid_route(problem: CentreProblem) -> Route | None:
-    """Return a route through fine cells, where some unsafe sets are no boxes."""
+    """Return a route through the cells of a fine grid; None where all sets are boxes, or where no path is found."""
     arena = problem.arena
     if arena.has_only_boxes or arena.dimension not in GRID_DIVISIONS:
         return None
-    cuts = HalfSpaces(arena.space_cuts.normal, arena.space_cuts.bound + arena.space_cuts.box_support(problem.inset))
+    cuts = HalfSpaces(arena.space_cuts.normal, arena.space_cuts.lower_bound + arena.space_cuts.box_support(problem.half_width))
     return _shortened(problem, find_grid_path(problem.obstacles, problem.space, problem.goal, problem.centre, cuts))
 
 
 def _find_leg_route(problem: CentreProblem) -> Route | None:
-    """Return a route in legs, where there are too many dimensions for one flood.
+    """Return a route in legs, where there are too many dimensions for one flood; None where no route is found.
 
-    In each leg some LEG_DIMENSIONS go all the way to the target and the others stand still, so that the cells of a slice decide.
-    Every choice of the first leg is tried.
+    In each leg at most LEG_DIMENSIONS dimensions move all the way to the target, and the others stand still. The flood of a leg
+    therefore runs in these dimensions only. Every choice of the dimensions of the first leg is tried.
     """
     arena, n = problem.arena, problem.arena.dimension
-    sets = len(arena.names)
-    if len(arena.space_cuts.bound) or can_flood(sets, n) or not can_flood(sets, LEG_DIMENSIONS):
+    set_count = len(arena.names)
+    if len(arena.space_cuts.lower_bound) or has_few_cells(set_count, n) or not has_few_cells(set_count, LEG_DIMENSIONS):
         return None
-    for first in itertools.combinations(range(n), LEG_DIMENSIONS):
-        rest = [i for i in range(n) if i not in first]
-        legs = [list(first), *(rest[k : k + LEG_DIMENSIONS] for k in range(0, len(rest), LEG_DIMENSIONS))]
+    for first_leg in itertools.combinations(range(n), LEG_DIMENSIONS):
+        rest = [i for i in range(n) if i not in first_leg]
+        legs = [list(first_leg), *(rest[k : k + LEG_DIMENSIONS] for k in range(0, len(rest), LEG_DIMENSIONS))]
         points = _points_of_legs(problem, legs)
         if points is not None:
             return _shortened(problem, points)
@@ -120,9 +135,11 @@ def _points_of_legs(problem: CentreProblem, legs: list[list[int]]) -> Array | No
     points: list[Array] = [problem.centre]
     for leg in legs:
         position = points[-1]
-        still = [i for i in range(len(position)) if i not in leg]
-        meets = np.all((position[still] > lower[:, still]) & (position[still] < upper[:, still]), axis=1)
-        path = find_cell_path(lower[meets][:, leg], upper[meets][:, leg], space[:, leg], goal[:, leg], position[leg])
+        resting = [i for i in range(len(position)) if i not in leg]
+        is_in_the_way = np.all((position[resting] > lower[:, resting]) & (position[resting] < upper[:, resting]), axis=1)
+        path = find_cell_path(
+            lower[is_in_the_way][:, leg], upper[is_in_the_way][:, leg], space[:, leg], goal[:, leg], position[leg]
+        )
         if path is None:
             return None
         for step in path[1:]:
@@ -133,7 +150,7 @@ def _points_of_legs(problem: CentreProblem, legs: list[list[int]]) -> Array | No
 
 
 def _shortened(problem: CentreProblem, points: Array | None) -> Route | None:
-    """Return the polyline without the points that the line of sight makes needless, as a route."""
+    """Return the polyline as a route, without the points that a straight line past the sets can skip."""
     if points is None:
         return None
     kept = [0]
@@ -145,39 +162,43 @@ def _shortened(problem: CentreProblem, points: Array | None) -> Route | None:
 
 
 def _explain_blocked_route(arena: Arena, centre: Array) -> str:
-    """Return the refusal when there is no route: which options, each by itself, would open one, and at what value."""
+    """Return the refusal where no route is found.
+
+    It names each change that opens a route by itself: without a set, or the largest clearance or width with a route.
+    """
 
     def has_route(clearance: float, width: float, without: int | None = None) -> bool:
-        inset = np.full(arena.dimension, width / 2)
-        sets = [j for j in range(len(arena.names)) if j != without]
-        return _first_route(arena.with_sets(sets), centre, clearance + inset, inset) is not None
+        """Return whether a search finds a route for this clearance and width, without the set of this index."""
+        half_width = np.full(arena.dimension, width / 2)
+        kept_sets = [j for j in range(len(arena.names)) if j != without]
+        return _first_route(arena.with_sets(kept_sets), centre, clearance + half_width, half_width) is not None
 
     def largest(holds: Callable[[float], bool], limit: float) -> str:
-        """Return the largest value up to a limit that holds, less the allowance, in the task's units."""
+        """Return the largest value up to a limit for which `holds`, less twice `arena.allowance`, in the task's units."""
         low, high = 0.0, limit
         for _ in range(HALVINGS):
             middle = (low + high) / 2
             low, high = (middle, high) if holds(middle) else (low, middle)
         return f"{below(Fraction(max(low - 2 * arena.allowance, 0.0) * arena.length_unit), 4):g}"
 
-    no_clearance, no_width = arena.allowance, 2 * arena.allowance
-    is_final = search_finds_every_route(arena) or (arena.has_only_boxes and can_flood(len(arena.names), arena.dimension))
-    leads = "leads" if is_final else "was found"
-    refusal = f"{Property.AVOID.label}: no way {leads} from the initial set to the target set between the unsafe sets"
-    if not has_route(no_clearance, no_width):
-        is_small = len(arena.names) <= NAMED_SET_LIMIT
-        blocking = [n for j, n in enumerate(arena.names) if is_small and has_route(no_clearance, no_width, j)]
+    smallest_clearance, smallest_width = arena.allowance, 2 * arena.allowance  # the task's 0, with the allowance for rounding
+    is_final = search_finds_every_route(arena) or (arena.has_only_boxes and has_few_cells(len(arena.names), arena.dimension))
+    verb = "leads" if is_final else "was found"
+    refusal = f"{Property.AVOID.label}: no way {verb} from the initial set to the target set between the unsafe sets"
+    if not has_route(smallest_clearance, smallest_width):
+        has_few_sets = len(arena.names) <= NAMED_SET_LIMIT
+        blocking = [n for j, n in enumerate(arena.names) if has_few_sets and has_route(smallest_clearance, smallest_width, j)]
         remove = f"without {' or '.join(blocking)} there would be one" if blocking else "remove or shrink an unsafe set"
         return f"{refusal}, whatever the clearance; {remove}, or enlarge the state space"
     width = (arena.min_width - 2 * arena.allowance) * arena.length_unit
     clearance = (arena.clearance - arena.allowance) * arena.length_unit
     remedies = []
-    if has_route(no_clearance, arena.min_width):
+    if has_route(smallest_clearance, arena.min_width):
         remedies.append(f"tube.clearance = {largest(lambda c: has_route(c, arena.min_width), arena.clearance)}")
-    if has_route(arena.clearance, no_width):
+    if has_route(arena.clearance, smallest_width):
         remedies.append(f"tube.min_width = {largest(lambda w: has_route(arena.clearance, w), arena.min_width)}")
     if not remedies:
-        widest = largest(lambda w: has_route(no_clearance, w), arena.min_width)
+        widest = largest(lambda w: has_route(smallest_clearance, w), arena.min_width)
         remedies.append(f"tube.clearance = 0 together with tube.min_width = {widest}")
-    problem = f"for a tube of width {width:.6g} with a clearance of {clearance:.6g}"
-    return f"{refusal} {problem}; a way opens at {', or at '.join(remedies)}"
+    wanted_tube = f"for a tube of width {width:.6g} with a clearance of {clearance:.6g}"
+    return f"{refusal} {wanted_tube}; a way opens at {', or at '.join(remedies)}"

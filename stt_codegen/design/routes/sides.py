@@ -114,12 +114,12 @@ def _side_spans(arena: Arena, route: Route, j: int) -> list[_SideSpan]:
         spans.extend(_SideSpan(end, float(gap.min()), index, side, begin) for begin, end in _where_positive(gap))
 
     for i in range(arena.dimension):
-        add(arena.unsafe[j, 0, i] - route.reach[i] - route.points[:, i], i, BELOW)
-        add(route.points[:, i] - arena.unsafe[j, 1, i] - route.reach[i], i, ABOVE)
+        add(arena.unsafe[j, 0, i] - route.growth[i] - route.points[:, i], i, BELOW)
+        add(route.points[:, i] - arena.unsafe[j, 1, i] - route.growth[i], i, ABOVE)
     faces = arena.oblique_faces
     indices = faces.indices_of(j)
     gaps = faces.distances_beyond(np.stack([route.points.T, route.points.T]), indices.start, indices.stop)
-    for x, gap in zip(indices, gaps - faces.box_support(route.reach)[indices][:, None], strict=True):
+    for x, gap in zip(indices, gaps - faces.box_support(route.growth)[indices][:, None], strict=True):
         add(gap, x, BEYOND)
     return spans
 

@@ -23,21 +23,21 @@ Flags = npt.NDArray[np.bool_]
 class SliceCells:
     """The cells of a slice of space, over the tube's segments.
 
-    moving: the dimensions that move through the cells. axes: for each of them the middles of its cells. straight_path: where the
-    other dimensions are at the ends of segments, (K + 1, n); entries of `moving` are not read. reach: half widths, clearance
-    included, of the box about a cell's middle that must avoid every set, (n,).
+    moving: the dimensions that move through the cells. axes: for each of them the middles of its cells. straight_path: the
+    coordinates in the other dimensions at the ends of segments, (K + 1, n); entries of `moving` are not read. growth: clearance
+    plus half width of the tube, (n,); the box of these half widths about a free cell's middle avoids every set.
     """
 
     moving: tuple[int, ...]
     axes: list[Array]
     straight_path: Array
-    reach: Array
+    growth: Array
     cached_products: dict[bytes, Array] = field(default_factory=dict, compare=False, repr=False)  # balls share normals
 
     @property
     def straight(self) -> list[int]:
         """The dimensions that go straight."""
-        return [i for i in range(len(self.reach)) if i not in self.moving]
+        return [i for i in range(len(self.growth)) if i not in self.moving]
 
     @property
     def shape(self) -> Cell:
@@ -72,13 +72,13 @@ class SliceCells:
         for j in range(len(arena.names)):
             x = arena.oblique_faces.indices_of(j)
             normal = np.concatenate([_axis_normals(arena.dimension), arena.oblique_faces.normal[x]])
-            bound = np.concatenate([_axis_bounds(arena.unsafe[j]), arena.oblique_faces.bound[x]])
+            bound = np.concatenate([_axis_bounds(arena.unsafe[j]), arena.oblique_faces.upper_bound[x]])
             products = self._products(arena.oblique_faces.normal[x])
             for k in range(segments) if self.straight else (0,):
                 for position in self.straight_path[k : k + 2]:
                     self._block(free[k : k + 1] if self.straight else free, normal, bound, products, position)
-        cuts, half = arena.space_cuts.normal, self.reach - arena.clearance
-        minima = arena.space_cuts.bound + arena.space_cuts.box_support(half)
+        cuts, half = arena.space_cuts.normal, self.growth - arena.clearance
+        minima = arena.space_cuts.lower_bound + arena.space_cuts.box_support(half)
         for product, normal, bound in zip(self._products(cuts), cuts, minima, strict=True):
             for k in range(segments):
                 for position in self.straight_path[k : k + 2]:
@@ -87,7 +87,7 @@ class SliceCells:
 
     def block(self, free: Flags, obstacle: TimedObstacle) -> None:
         """Take from `free` (K, cells) the cells that a timed obstacle may meet."""
-        oblique = obstacle.normal[2 * len(self.reach) :]
+        oblique = obstacle.normal[2 * len(self.growth) :]
         products, bounds = self._products(oblique), obstacle.bounds(len(free)).max(axis=2)  # bounds: (N, K)
         for k in np.flatnonzero(bounds[0] > -np.inf).tolist():
             for position in self.straight_path[k : k + 2] if self.straight else self.straight_path[k : k + 1]:
@@ -112,15 +112,15 @@ class SliceCells:
         return total
 
     def _block(self, free: Flags, normal: Array, bound: Array, products: Array, position: Array) -> None:
-        """Take from `free` (T, cells) the cells whose box is beyond none of a set's half-spaces.
+        """Take from `free` (T, cells) the cells whose box is beyond none of a set's half-spaces normal.x <= bound.
 
         normal: (N, n), of which the first 2n are -e_1, +e_1, ..; bound: (N,). products: of the other normals, by `_products`.
         """
-        n, reach = normal.shape[1], self.reach
+        n, growth = normal.shape[1], self.growth
         for i in self.straight:
-            if position[i] <= -bound[2 * i] - reach[i] or position[i] >= bound[2 * i + 1] + reach[i]:
+            if position[i] <= -bound[2 * i] - growth[i] or position[i] >= bound[2 * i + 1] + growth[i]:
                 return
-        ends = [(a, -bound[2 * i] - reach[i], bound[2 * i + 1] + reach[i]) for i, a in zip(self.moving, self.axes, strict=True)]
+        ends = [(a, -bound[2 * i] - growth[i], bound[2 * i + 1] + growth[i]) for i, a in zip(self.moving, self.axes, strict=True)]
         near = tuple(slice(int(np.searchsorted(a, low, side="right")), int(np.searchsorted(a, high))) for a, low, high in ends)
         if any(part.start >= part.stop for part in near):
             return
@@ -128,7 +128,7 @@ class SliceCells:
             free[(slice(None), *near)] = False
             return
         grown_bound = bound[2 * n :] - self._straight_part(normal[2 * n :], position)
-        for i, r in enumerate(reach.tolist()):
+        for i, r in enumerate(growth.tolist()):
             grown_bound = grown_bound + np.abs(normal[2 * n :, i]) * r
         meets = (products[(slice(None), *near)] < grown_bound.reshape(-1, *[1] * len(self.moving))).all(axis=0)
         free[(slice(None), *near)] &= ~meets

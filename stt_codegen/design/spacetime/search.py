@@ -1,13 +1,13 @@
 """A route in space and time for the centre of a tube, where unsafe sets move or are unsafe only at times.
 
-Space is cut into cells and time into the tube's segments. A cell is free in a segment where the box about its middle avoids every
-set all that time; the centre is at the end of a segment in a cell that is free in it and in the next. In a segment it goes
-through free cells, at most USUAL_PACE of them one after the other, or FAST_PACE where that finds no route; or it waits. Of all
-routes the one with the smallest sum of squared steps is taken, by dynamic programming: it is even in time. In more than
-SLICE_DIMENSIONS dimensions some of them move through the cells of a slice and the others go straight to the target, early, evenly
-or late; every choice is tried until one leads there.
+Space is cut into cells and time into the tube's segments. A cell is free in a segment if the box about its middle avoids every
+set all that time. At the end of a segment the centre is in a cell that is free in this segment and in the next. In a segment the
+centre waits or moves through at most USUAL_PACE free cells, or through FAST_PACE where that finds no route. Dynamic programming
+finds the route with the smallest sum of squared steps, which spreads the motion evenly over time. In more than SLICE_DIMENSIONS
+dimensions some of them move through the cells of a slice and the others go straight to the target, early, evenly or late; every
+choice is tried until one leads there.
 
-The search is complete on its cells. That it finds no route does not say that there is none.
+The search finds every route through its cells. Where it finds none, there may still be one between the cells.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ from stt_codegen.design.spacetime.free_cells import Cell, Flags, SliceCells
 
 Costs = npt.NDArray[np.int32]
 
-CELL_COUNTS = {1: (256,), 2: (100,), 3: (24, 40)}  # of every dimension; where the first are too coarse, the next
-USUAL_PACE = 3  # cells in one segment's time,
-FAST_PACE = 12  # where that finds no route so many, or what twice the even pace takes
+CELL_COUNTS = {1: (256,), 2: (100,), 3: (24, 40)}  # cells along each dimension, by moving dimensions; tried in this order
+USUAL_PACE = 3  # cells in one segment's time
+FAST_PACE = 12  # cells in one segment's time where USUAL_PACE finds no route; more if twice the even pace is more
 SLICE_DIMENSIONS = 3  # dimensions that move through cells
 UNREACHABLE = np.int32(1 << 30)  # the cost where no route leads
 PROFILES = ("even", "early", "late")  # how the dimensions move that go straight
-CHOICE_LIMIT = 60  # of slices and profiles: all that six dimensions have; of more dimensions the first
-MOVING_SHARE = 0.3  # of the time, that an early or late move takes
+CHOICE_LIMIT = 60  # pairs of a slice and a profile that are tried; six dimensions have 60
+MOVE_DURATION = 0.3  # of an early or late move, in parts of t_c
 
 
 @dataclass(frozen=True)
 class SliceSearch:
     """The search for a route through the cells of a slice over time.
 
-    free: by segment and cell. goal: which cells are in the target. first: the cell of gamma(0).
+    free: by segment and cell. goal: which cells are in the target. start_cell: the cell of the centre at t = 0.
     """
 
     cells: SliceCells
     free: Flags
     goal: Flags
-    first: Cell
+    start_cell: Cell
 
     @property
     def paces(self) -> tuple[int, int]:
@@ -61,7 +61,7 @@ class SliceSearch:
     def reachable_cells(self) -> Iterator[Flags]:
         """Yield by time the cells that any route leads to, at the fastest pace."""
         reachable: Flags = np.zeros(self.goal.shape, dtype=bool)
-        reachable[self.first] = self.free[(0, *self.first)]
+        reachable[self.start_cell] = self.free[(0, *self.start_cell)]
         yield reachable
         for k, free in enumerate(self.free):
             reachable = reachable & free
@@ -85,8 +85,8 @@ class SliceSearch:
     def costs(self, pace: int) -> list[Costs]:
         """Return by time the smallest sum of squared steps to every cell; UNREACHABLE where no route leads."""
         cost = np.full(self.goal.shape, UNREACHABLE, dtype=np.int32)
-        if self.free[(0, *self.first)]:
-            cost[self.first] = 0
+        if self.free[(0, *self.start_cell)]:
+            cost[self.start_cell] = 0
         costs = [cost]
         for k, free in enumerate(self.free):
             cost = self.next_costs(cost, free, self.free_after(k), pace)
@@ -115,9 +115,9 @@ class SliceSearch:
 
     @staticmethod
     def predecessor(cell: Cell, earlier: Costs, cost: int, free: Flags, pace: int) -> Cell:
-        """Return the nearest cell at the begin of a segment from which a route comes to `cell` at this cost.
+        """Return the nearest cell at the beginning of a segment from which a route comes to `cell` at this cost.
 
-        earlier: the costs at the begin of the segment. free: the free cells of the segment.
+        earlier: the costs at the beginning of the segment. free: the free cells of the segment.
         """
         part = tuple(slice(max(v - pace, 0), v + pace + 1) for v in cell)
         corner = [p.start for p in part]
@@ -178,16 +178,16 @@ def find_timed_route(arena: Arena, centre: Array, width: Array, segments: int, i
 
 
 def has_timed_route(arena: Arena, centre: Array, width: Array, segments: int) -> bool:
-    """Return whether a route is found."""
+    """Return whether a search finds a route for a tube of this width (n,), whose centre starts at `centre`."""
     return any(search.has_route() for search in slice_searches(arena, centre, width, segments))
 
 
 def slice_searches(arena: Arena, centre: Array, width: Array, segments: int, is_coarse: bool = False) -> Iterator[SliceSearch]:
     """Yield the searches of all slices, profiles and sizes of cells, one after the other."""
-    n, inset = arena.dimension, width / 2
-    space, goal = (np.stack([box[0] + inset, box[1] - inset]) for box in (arena.space, arena.target))
-    if len(arena.target_cuts.bound) or len(arena.space_cuts.bound):
-        inner = inner_box(arena, goal, inset)
+    n, half_width = arena.dimension, width / 2
+    space, goal = (np.stack([box[0] + half_width, box[1] - half_width]) for box in (arena.space, arena.target))
+    if len(arena.target_cuts.lower_bound) or len(arena.space_cuts.lower_bound):
+        inner = inner_box(arena, goal, half_width)
         if inner is None:
             return
         goal = inner
@@ -198,22 +198,22 @@ def slice_searches(arena: Arena, centre: Array, width: Array, segments: int, is_
     counts = CELL_COUNTS[min(n, SLICE_DIMENSIONS)][: 1 if is_coarse else None]
     for count, (moving, profile) in itertools.product(counts, choices[:CHOICE_LIMIT]):
         ends = np.clip(centre, goal[0], goal[1])
-        straight_path = centre + _shares_of_move(profile, segments)[:, None] * (ends - centre)
+        straight_path = centre + _fractions_of_move(profile, segments)[:, None] * (ends - centre)
         axes = [space[0, i] + (np.arange(count) + 0.5) * ((space[1, i] - space[0, i]) / count) for i in moving]
-        cells = SliceCells(moving, axes, straight_path, arena.clearance + inset)
-        first = cells.cell_of(centre)
+        cells = SliceCells(moving, axes, straight_path, arena.clearance + half_width)
+        start_cell = cells.cell_of(centre)
         free = cells.free_cells(arena)
         for obstacle in arena.timed_obstacles:
             cells.block(free, obstacle)
-        free[0][first] = True  # gamma(0) is known to avoid every set; the middle of its cell may be a little elsewhere
-        yield SliceSearch(cells, free, cells.cells_in(goal), first)
+        free[0][start_cell] = True  # gamma(0) is known to avoid every set; the middle of its cell may be a little elsewhere
+        yield SliceSearch(cells, free, cells.cells_in(goal), start_cell)
 
 
-def _shares_of_move(profile: str, segments: int) -> Array:
-    """Return the share of its move that a straight dimension has made at the ends of segments: (segments + 1,)."""
+def _fractions_of_move(profile: str, segments: int) -> Array:
+    """Return the fraction of its move that a straight dimension has made at the ends of segments: (segments + 1,)."""
     t = np.arange(segments + 1) / segments
     if profile == "early":
-        t = t / MOVING_SHARE
+        t = t / MOVE_DURATION
     elif profile == "late":
-        t = (t - 1 + MOVING_SHARE) / MOVING_SHARE
+        t = (t - 1 + MOVE_DURATION) / MOVE_DURATION
     return np.clip(t, 0.0, 1.0)

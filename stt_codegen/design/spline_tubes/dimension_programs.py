@@ -93,7 +93,7 @@ class TubeProblem:
             (arena.space_cuts, tuple(range(count)), BEZIER_WEIGHTS),
             (arena.target_cuts, last, BEZIER_WEIGHTS[-1:]),
         ):
-            for normal, bound in zip(cuts.normal.tolist(), cuts.bound.tolist(), strict=True):
+            for normal, bound in zip(cuts.normal.tolist(), cuts.lower_bound.tolist(), strict=True):
                 couplings.append(_Coupling(tuple(normal), (bound,) * len(weights), where, weights))
         for obstacle, sides in zip(arena.timed_obstacles, bounds.timed_sides, strict=True):
             oblique = np.nonzero(sides >= 2 * arena.dimension)[0].tolist()

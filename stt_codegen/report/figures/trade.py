@@ -12,6 +12,7 @@ from stt_codegen.designs import Design
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import EmittedController, build_task, design_tube
 from stt_codegen.report.analysis import Analysis
+from stt_codegen.sampling import GainChoice
 from stt_codegen.task import Task
 
 PREFERENCES = ("balanced", "slow", "wide", "period")
@@ -94,14 +95,14 @@ def _trade_off(controller: EmittedController, preferred: tuple[str, ...]) -> Tub
     """Return the width and speed of a certified tube, and its longest proved period with the gain."""
     certificate, analysis = controller.certificate, Analysis(controller)
     if controller.task.control.gain is None:
-        choice = analysis.gains.longest
+        choice = analysis.gains.with_longest_period
     else:
-        choice = None if analysis.period is None else (analysis.sampled_loop.law.gain, analysis.period)
+        choice = None if analysis.period is None else GainChoice(analysis.sampled_loop.law.gain, analysis.period)
     return TubeTradeOff(
         segments=controller.design.parts,
         smallest_width=float(certificate.minimum_width),
         speed=float(max(certificate.speed)),
-        period=None if choice is None else choice[1].seconds,
-        gain=None if choice is None else tuple(choice[0].tolist()),
+        period=None if choice is None else choice.period.seconds,
+        gain=None if choice is None else tuple(choice.gain.tolist()),
         preferred=preferred,
     )
