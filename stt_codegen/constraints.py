@@ -175,7 +175,7 @@ def inverse_square_root(n: int) -> Fraction:
 
 
 def control_authority(task: Task) -> tuple[Fraction, ...]:
-    """Return by component how fast an input within u_max, as it is emitted, moves the state at least against the plant bounds.
+    """Return by component the least speed at which an input within u_max moves the state against the plant bounds.
 
     That is g_min u_max - |f| - |w| - |g_ij| u_max of the other components, in the task's units per second to the power of the
     plant's order; negative where the input cannot. Where u is scaled as a whole it is what every edge may move at, so that the
@@ -184,8 +184,8 @@ def control_authority(task: Task) -> tuple[Fraction, ...]:
     limits = task.emitted_u_max
     assert limits is not None
     if task.scales_input:
-        share = inverse_square_root(task.dimension)
-        return tuple((b.g_min * v - b.force) * share for b, v in zip(task.plant_bounds, limits, strict=True))
+        factor = inverse_square_root(task.dimension)
+        return tuple((b.g_min * v - b.force) * factor for b, v in zip(task.plant_bounds, limits, strict=True))
     parts = zip(task.plant_bounds, limits, task.coupling_of(limits), strict=True)
     return tuple(b.g_min * v - b.force - coupling for b, v, coupling in parts)
 
@@ -251,7 +251,8 @@ def _interval_constraints(bounds: Iterable[tuple[Fraction, Fraction]], sign: int
 def separation_constraints(convex: ConvexSet, clearance: Fraction) -> tuple[Constraint, ...]:
     """Return for every normal of the set the constraint that separates a tube's box B from it.
 
-    It is low_n(B) >= h(n) + |n|_1 clearance. The slack over |n|_1 is the clearance beyond, in the largest component.
+    It is low_n(B) >= h(n) + |n|_1 clearance, where h(n) is the support of the set and low_n(B) the smallest n.x over B. The slack
+    over |n|_1 is the distance beyond the clearance, in the largest component.
     """
     result = []
     for normal, support in convex.faces:

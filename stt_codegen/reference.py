@@ -73,12 +73,12 @@ def transform(
     0 where upper <= lower, NaN where a number is not finite.
     """
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
-    bound, share = np.array([exact(v) for v in e_max]), np.array([exact(1 - v) for v in e_max])
+    bound, smallest = np.array([exact(v) for v in e_max]), np.array([exact(1 - v) for v in e_max])
     with np.errstate(all="ignore"):
         gamma_s, gamma_d = high + low, high - low
         e = np.clip((2 * state - gamma_s) / gamma_d, -bound, bound)
         # 1 + e and 1 - e come from the distances to the edges, because near an edge 1 - e would lose the rounding of e
-        plus, minus = (np.clip(2 * d / gamma_d, share, 2 - share) for d in (state - low, high - state))
+        plus, minus = (np.clip(2 * d / gamma_d, smallest, 2 - smallest) for d in (state - low, high - state))
         epsilon = np.log(plus / minus)
         xi = 4 / (gamma_d * plus * minus)
     empty = gamma_d <= 0
@@ -125,8 +125,8 @@ def margins(lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, minimu
     """Return the distance of x (P, n) to the nearest edge over the width (at least minimum_width), by component, in [-1, 0.5]."""
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
     with np.errstate(all="ignore"):
-        share = np.minimum(state - low, high - state) / np.maximum(high - low, minimum_width)
-    return np.asarray(np.clip(share, -1, np.longdouble(0.5)))
+        distance_ratio = np.minimum(state - low, high - state) / np.maximum(high - low, minimum_width)
+    return np.asarray(np.clip(distance_ratio, -1, np.longdouble(0.5)))
 
 
 # -------------------------------------------------------------------------- the paper's tube (4)-(11)
@@ -201,7 +201,7 @@ def _bump(t: Array, b: np.longdouble, k: np.longdouble, m: np.longdouble, r: np.
 
 
 def _joined(bumps: list[tuple[Array, Array]], nu: np.longdouble) -> tuple[Array, Array]:
-    """ln(1 + sum(exp(nu b) - 1)) / nu in s of (9)'s max, and its derivative."""
+    """Return the joined bumps, ln(1 + sum(exp(nu b) - 1)) / nu in place of the max in (9), and their derivative."""
     values, slopes = (np.stack(v) for v in zip(*bumps, strict=True))
     top = values.max(axis=0)
     terms = np.exp(nu * (values - top))

@@ -1,8 +1,10 @@
 """Section III-B: circumvent functions (7)-(9).
 
+B is the height, k the steepness, m the middle and r the radius of the bump:
+
     bump(t) = B exp(-k (t - m)^2 / (r^2 - (t - m)^2)) for |t - m| < r, and 0 elsewhere;  all derivatives vanish at +-r.
 
-As printed the window is exactly the conflict, where the bump is 0 at both ends: it must be wider (`widened_radius`).
+In the paper the window of a bump is exactly the conflict. The bump is 0 at both ends of it, so the window must be wider.
 r^2 - (t - m)^2 is computed as (r - |t - m|)(r + |t - m|) with the floor k (t - m)^2 cut, where cut = 1/104 (float) or 1/746
 (double). So the exponent never falls below -104 (-746), where the exponential is 0: inside near the edges, and everywhere
 outside. No branch avoids a division by zero, since r^2 alone remains where t = m. The lemmas `bumps.*` prove this.
@@ -23,9 +25,9 @@ CUT = {
 }  # exp(-104) is 0 in binary32, exp(-746) in binary64; exp(-745) is not
 
 
-def bump(t: ca.SX, shape: Sequence[ca.SX]) -> ca.SX:
-    """Return one circumvent function above its rest level, (7) and (8) less X_i; shape: B, k, m, r and cut."""
-    height, steepness, middle, radius, cut = shape
+def bump(t: ca.SX, parameters: Sequence[ca.SX]) -> ca.SX:
+    """Return the height of one circumvent function above its rest level X_i, by (7) and (8); parameters: B, k, m, r and cut."""
+    height, steepness, middle, radius, cut = parameters
     d = t - middle
     rest = (radius - ca.fabs(d)) * (radius + ca.fabs(d))
     rise = steepness * (d * d)

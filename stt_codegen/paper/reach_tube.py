@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-MINIMUM_REST = 2.0**-10  # a floor of the time left, as a share of t_c: d = exp(-2 * 1023) is 0 in double and float
+MINIMUM_REST = 2.0**-10  # a floor of the time left, in parts of t_c: d = exp(-2 * 1023) is 0 in double and float
 
 
 def sigma(t: ca.SX, t_c: ca.SX) -> ca.SX:

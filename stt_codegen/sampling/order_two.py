@@ -27,7 +27,7 @@ from stt_codegen.program import FORMATS
 from stt_codegen.sampling.numbers import DOUBLES, Numbers
 from stt_codegen.sampling.plant import Bounds
 from stt_codegen.sampling.sampled_loop import SampledLaw, SampledLoop, law_of, worst_with_previous_window
-from stt_codegen.sampling.windows import OUT, Windows, refined_windows
+from stt_codegen.sampling.windows import OUTWARD_MARGIN, Windows, refined_windows
 from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
@@ -121,7 +121,7 @@ def velocity_bounds(design: RefinedDesign) -> tuple[Array, Array]:
     extremes, windows = filtered_extremes(design), refined_windows(design)
     rate = np.array([float(v) for v in design.filter])
     largest = extremes.rate + rate * (windows.high - windows.low)
-    return -largest * (1 + OUT), largest * (1 + OUT)
+    return -largest * (1 + OUTWARD_MARGIN), largest * (1 + OUTWARD_MARGIN)
 
 
 def difference_error(
@@ -183,7 +183,7 @@ def inertial_law(
     if task.uses_differences:
         exact = ([Fraction(v) for v in fastest.tolist()], [Fraction(v) for v in width.tolist()])
         error = difference_error(task, Fraction(noise[0]), exact, filter_rates, age_factor)
-        of_v = of_v + numbers.outward(np.array([numbers.of(v) for v in error]), OUT)
+        of_v = of_v + numbers.outward(np.array([numbers.of(v) for v in error]), OUTWARD_MARGIN)
     in_state = filter_rate * size + (fastest + filter_rate * width)
     rounded = roundoff * (in_state + ROUNDINGS * (wide + 2 * filter_rate * width))
     shift = arithmetic + of_v + filter_rate * noise[0] + rounded
@@ -200,7 +200,7 @@ def inertial_loop(
     numbers = law.numbers
     force, motion = np.array([p.disturbance for p in plant]), inertial_motion(extremes, design.filter, numbers)
     speeds = (motion.at_edge, motion.aging, motion.from_middle)
-    at_edge, aging, from_middle = (numbers.outward(force + v, OUT) for v in speeds)
+    at_edge, aging, from_middle = (numbers.outward(force + v, OUTWARD_MARGIN) for v in speeds)
     return SampledLoop(
         windows=inertial_windows(design, extremes, numbers),
         law=law,

@@ -9,7 +9,8 @@ smallest and is raised until its own conditions hold. Where a component has no s
 
 Here tau is the age of the oldest sample that may still act, in seconds. The code calls E `eps_bound`; in
 fractions it uses rho = e^E. The file is long because the same conditions are searched in doubles, and proved in balls and in
-fractions."""
+fractions.
+"""
 
 from __future__ import annotations
 
@@ -73,7 +74,8 @@ class SearchEffort:
     """How long a search runs.
 
     grid_values: the number of E on a grid. grids: the number of grids, each around the best E of the grid before.
-    halvings: of tau, for each grid."""
+    halvings: of tau, for each grid.
+    """
 
     grid_values: int
     grids: int

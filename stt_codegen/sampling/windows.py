@@ -1,8 +1,8 @@
 """A certified tube in time windows, with bounds for each on its width, the speed of its edges, the rate of its width, and x.
 
 All bounds are rounded outward. The sampling conditions and the bounds on u use them; the lemma `sampled.windows` shows that they
-hold. Refined tubes have one window for each segment, exact but for the last rounding. Adaptive ones have windows of several cells
-and the one speed of P6 (certify/adaptive/enclosure.py).
+hold. Refined tubes have one window for each segment, and only the last rounding is inexact. Adaptive tubes have windows of
+several cells, all with the speed that P6 proves (certify/adaptive/enclosure.py).
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.sampling.numbers import DOUBLES, Numbers
 
 Array = npt.NDArray[Any]
-OUT = 2.0**-48  # relative; more than the few roundings of a quotient or product of doubles
+OUTWARD_MARGIN = 2.0**-48  # relative; more than the roundings of a quotient or product of doubles
 
 
 @dataclass(frozen=True, kw_only=True)
 class Windows:
     """W time windows, and one more from t_c on.
 
-    times: (W + 1) boundaries, seconds. start: gamma(0), lower and upper, rounded inward, (n, 2). All others are (W + 1, n):
+    times: (W + 1) boundaries, seconds. start: gamma(0), lower and upper, rounded inward, (n, 2). All other fields are (W + 1, n):
     narrow <= gamma_d <= wide, |edge rate| <= speed, |gammadot_d| <= widening, low <= gamma_L, gamma_U <= high.
     """
 
@@ -81,7 +81,7 @@ def refined_windows(design: RefinedDesign, numbers: Numbers = DOUBLES) -> Window
     """
     bounds, unit = extremes(design), numbers.of(design.unit)
     rate = Fraction(3 * design.segments) / design.prescribed_time
-    per_second = numbers.outward(numbers.of(rate), OUT) * unit
+    per_second = numbers.outward(numbers.of(rate), OUTWARD_MARGIN) * unit
     return Windows(
         times=numbers.evenly(Fraction(design.prescribed_time), design.segments),
         narrow=bounds.narrow * unit,

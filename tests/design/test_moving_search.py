@@ -48,7 +48,7 @@ def costs_by_plain_search(search: SliceSearch, quickest: int) -> dict[tuple[int,
     """Return the smallest sum of squared steps to every goal cell, by a search of one cell after the other.
 
     In a segment of time a path makes at most `quickest` steps. A step goes from a free cell to a free cell that touches it, also at a corner."""
-    shape, costs = search.goal.shape, {search.first: 0} if search.free[(0, *search.first)] else {}
+    shape, costs = search.goal.shape, {search.start_cell: 0} if search.free[(0, *search.start_cell)] else {}
     for k, free in enumerate(search.free):
         after, costs_after = search.free[min(k + 1, len(search.free) - 1)], dict[tuple[int, ...], int]()
         for cell, cost in costs.items():

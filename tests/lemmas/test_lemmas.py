@@ -219,7 +219,7 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
             lambda design: extremes(replace(design, unit=1, coefficients=design.coefficients[::-1])),
             "sampled.windows",
         ),
-        (windows, "OUT", -(2.0**-40), "sampled.windows"),
+        (windows, "OUTWARD_MARGIN", -(2.0**-40), "sampled.windows"),
         (sampled_loop, "worst_with_previous_window", lambda values, worse: values, "sampled.exact_windows"),
         (Fractions, "log_above", Fractions.log_below, "sampled.inputs"),
         (Fractions, "near_divisor", Fractions.far_divisor, "sampled.inputs"),

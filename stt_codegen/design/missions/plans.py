@@ -24,9 +24,9 @@ from stt_codegen.design.missions.waypoints import Waypoints
 from stt_codegen.design.moving_half_spaces import TimedObstacle
 
 TRIAL_SPEEDS = (2.0, 8.0, 64.0)  # times the extent of space in t_c: the speeds at which a first order is sought
-SLOWDOWN = 0.9  # times the speed of the last order is the speed at which a slower one is sought,
-SLOWDOWN_LIMIT = 6  # at most so often
-SLOWER = 0.999  # times the speed of the last order a slower one must have
+SLOWDOWN = 0.9  # speed of the search for a slower order, times the speed of the last order
+SLOWDOWN_LIMIT = 6  # searches for a slower order
+SLOWER_RATIO = 0.999  # largest speed of a slower order, times the speed of the last order
 KNOT_TOLERANCE = 1e-9  # of a segment, by which a time may miss a knot
 KNOT_SHARE = 1 / 64  # of a segment: a state that must hold at a knot holds for so long about it
 
@@ -64,7 +64,7 @@ def slowest_plan(arena: Arena, waypoints: Waypoints, skeleton: Skeleton, best_sp
     for _ in range(SLOWDOWN_LIMIT if plan is not None and plan.speed > TOLERANCE else 0):
         assert plan is not None
         slower = plan_of_stops(waypoints, skeleton, search.shortest_stops(SLOWDOWN * plan.speed))
-        if slower is None or slower.speed > SLOWER * plan.speed:
+        if slower is None or slower.speed > SLOWER_RATIO * plan.speed:
             break
         plan = slower
     return plan

@@ -18,10 +18,10 @@ from stt_codegen.design.missions.state_constraints import LABEL_LIMIT, Mission
 from stt_codegen.design.routes import COMPONENT_SUM_WEIGHT, GrownObstacles, grow_obstacles, route_nodes
 from stt_codegen.task.mission import StateFormula
 
-PAIR_LIMIT = 576  # up to so many pairs of regions their nearest points are waypoints too
+PAIR_LIMIT = 576  # pairs of regions; with more, their nearest points are no waypoints
 CORNER_DIMENSION_LIMIT = 3  # up to so many dimensions all corners of a region are waypoints
 ALL_LEGS_LIMIT = 300  # up to so many waypoints all legs are computed at once
-MINIMUM_EDGE = 1e-12  # the length between nodes at one place, for 0 means no edge in a graph
+MINIMUM_LENGTH = 1e-12  # added to the length between two nodes; in a graph the length 0 means that no line joins them
 EDGE_ALLOWANCE = 1e-7  # sets are smaller by this where lines of sight are checked, so that a leg may run along an edge
 Flags = npt.NDArray[np.bool_]
 Predecessors = npt.NDArray[np.int32]
@@ -153,7 +153,7 @@ class Waypoints:
             for k, state in enumerate(self.mission.states):
                 if states >> k & 1:
                     is_visible = is_visible & self.visibility_within(state)
-            self._graphs[states] = np.where(is_visible, self.distances + MINIMUM_EDGE, 0.0)
+            self._graphs[states] = np.where(is_visible, self.distances + MINIMUM_LENGTH, 0.0)
         return self._graphs[states]
 
     def shortest_legs(self, states: int, source: int) -> tuple[Array, Predecessors]:

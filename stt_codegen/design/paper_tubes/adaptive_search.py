@@ -28,7 +28,7 @@ from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
 SEARCH_STEPS = 450  # time steps of the search's tube
-WALL_INSET_SHARE = 0.02  # of the target margin: rest levels stay clear of the walls, since an enclosure cannot show equality
+WALL_INSET_RATIO = 0.02  # of the target margin: rest levels stay clear of the walls, since an enclosure cannot show equality
 BITS = 18  # significant bits of every parameter
 
 
@@ -129,7 +129,7 @@ def _round_to_bits(value: float) -> Fraction:
 
 def _empty_design(task: Task, arena: Arena, start: Array, settings: Settings) -> AdaptiveDesign:
     """Return the design without circumvent functions, its parameters rounded."""
-    margin, inset = settings.target_margin, WALL_INSET_SHARE * settings.target_margin
+    margin, inset = settings.target_margin, WALL_INSET_RATIO * settings.target_margin
 
     def pairs(lower: Array, upper: Array) -> tuple[tuple[Fraction, Fraction], ...]:
         return tuple((_round_to_bits(float(a)), _round_to_bits(float(b))) for a, b in zip(lower, upper, strict=True))

@@ -68,7 +68,7 @@ def bounds_along_route(
     """Return the bounds for the box of this width that follows the route at constant speed, in the largest component.
 
     Every segment and unsafe set has the side with the widest gap. corner_rest: for how many segments the box rests at every
-    corner. ramp: the share of the time in which it gets up to speed, and as long to rest.
+    corner. ramp: the time in which it speeds up, and slows down again, in parts of the whole time.
     """
     points = route.points
     steps = arena.distance(points[1:] - points[:-1])
@@ -94,10 +94,10 @@ def _positions_at_equal_times(knots: Array, positions: Array, count: int, ramp: 
     """
     t = knots[-1] * np.arange(count + 1) / count
     if ramp:
-        share = np.arange(count + 1) / count
-        from_end = np.minimum(share, 1 - share)  # the time to the nearer end
+        time = np.arange(count + 1) / count  # in parts of the whole
+        from_end = np.minimum(time, 1 - time)  # the time to the nearer end
         covered = np.where(from_end < ramp, from_end * from_end / (2 * ramp), from_end - ramp / 2) / (1 - ramp)
-        t = knots[-1] * np.where(share < 0.5, covered, 1 - covered)
+        t = knots[-1] * np.where(time < 0.5, covered, 1 - covered)
     k = np.minimum(np.searchsorted(knots, t, side="right") - 1, len(knots) - 2)
     length = knots[k + 1] - knots[k]
     part = np.where(length > 0, (t - knots[k]) / np.where(length > 0, length, 1.0), 1.0)
