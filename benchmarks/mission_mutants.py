@@ -214,16 +214,18 @@ def may_hold(formula: Formula, t: Array, atoms: dict[InRegion, Array], endless: 
         case Or(parts):
             return np.any([may_hold(p, t, atoms, endless) for p in parts], axis=0)
         case Always(over, part):
-            bad = np.concatenate([[0], np.cumsum(~may_hold(part, t, atoms, endless))])
+            failure_counts = np.concatenate([[0], np.cumsum(~may_hold(part, t, atoms, endless))])
             first, last = window_samples(t, over, -1)
-            return (bad[np.maximum(last, first)] - bad[first] == 0) | (endless & (t + float(over.begin) >= t[-1]))
+            return (failure_counts[np.maximum(last, first)] - failure_counts[first] == 0) | (
+                endless & (t + float(over.begin) >= t[-1])
+            )
         case Eventually(over, part):
-            good = np.concatenate([[0], np.cumsum(may_hold(part, t, atoms, endless))])
+            hold_counts = np.concatenate([[0], np.cumsum(may_hold(part, t, atoms, endless))])
             first, last = window_samples(t, over, 1)
-            return (good[last] - good[first] > 0) | (endless & window_goes_on(t, over))
+            return (hold_counts[last] - hold_counts[first] > 0) | (endless & window_goes_on(t, over))
         case Until(over, first_part, last_part):
             first_holds = may_hold(first_part, t, atoms, endless)
-            good = np.concatenate([[0], np.cumsum(may_hold(last_part, t, atoms, endless))])
+            hold_counts = np.concatenate([[0], np.cumsum(may_hold(last_part, t, atoms, endless))])
             first, last = window_samples(t, over, 1)
             next_failure = np.full(len(t), len(t))  # for each sample, the first from it on at which first_part fails
             failure = len(t)
@@ -231,7 +233,7 @@ def may_hold(formula: Formula, t: Array, atoms: dict[InRegion, Array], endless: 
                 failure = failure if first_holds[k] else k
                 next_failure[k] = failure
             until = np.minimum(last, next_failure + 1)
-            return (good[np.maximum(until, first)] - good[first] > 0) | (endless & window_goes_on(t, over))
+            return (hold_counts[np.maximum(until, first)] - hold_counts[first] > 0) | (endless & window_goes_on(t, over))
     raise TypeError(formula)
 
 

@@ -2,11 +2,12 @@
 and distances. Nothing is shared with `polytopes` and `round_sets` of `stt_codegen.task.sets`.
 
 Two convex polytopes are apart where one of finitely many normals separates them: of faces, and in space of an edge and an axis.
-This file takes every plane through points of the set, and every direction across a line through two points and an axis. Some are
-superfluous, which does no harm. They are complete in up to three dimensions.
+In the plane this file takes the normals of all lines through two points of the set; in space, of all planes through three points
+and of all planes parallel to a line through two points and to an axis. The directions of the axes are
+normals, too. Superfluous normals do no harm. All normals that are needed are among them in up to three dimensions.
 
-A round set is a fault where a point of its segment is, exactly, nearer to the tube's box than the radius. Doubles search for the
-time and the point, so a fault may be missed, and no false fault is reported.
+For a round set a search in doubles proposes a time and a point of its segment. A fault is reported if this point is, in exact
+numbers, nearer to the tube's box than the radius. So a fault may be missed, but no false fault is reported.
 """
 
 from __future__ import annotations
@@ -62,8 +63,9 @@ def supporting_half_spaces(task: Task, unsafe: Any) -> list[HalfSpace]:
 
 
 def region_half_spaces(task: Task, region: Any) -> list[HalfSpace]:
-    """Return the half-spaces that cut a region, state space or target: a box must be in all of them. A hull of points has
-    superfluous ones too, a ball has none."""
+    """Return the half-spaces that cut a region, state space or target: a box must be in all of them.
+
+    For vertices some of the half-spaces are superfluous. A region without a cut and a ball have none."""
     axes = bounded_axes(task, region)
     if region.normals is not None:
         pairs: Any = zip(region.normals, region.offsets, strict=True)
@@ -84,7 +86,7 @@ def _in_all_dimensions(task: Task, axes: Sequence[int], normal: Sequence[Any]) -
 
 
 def leaves_target_ball(task: Task, low: Sequence[Fraction], high: Sequence[Fraction], margin: Fraction) -> bool:
-    """Whether the target is a ball and a corner of the box, grown by the margin, is outside of it."""
+    """Return whether the target is a ball and a corner of the box, grown by the margin, is outside of the ball."""
     target = task.target_set
     if target.centre is None or target.radius is None:
         return False
@@ -94,7 +96,7 @@ def leaves_target_ball(task: Task, low: Sequence[Fraction], high: Sequence[Fract
 
 
 def bounded_axes(task: Task, table: Any) -> list[int]:
-    """Return the numbers of the axes that a set of the task bounds: all, where its table names none."""
+    """Return the indices of the axes that a set of the task bounds: all axes if its table names none."""
     names = list(task.axes or (f"x{i + 1}" for i in range(task.dimension)))
     return [names.index(a) for a in table.axes or names]
 
@@ -115,7 +117,7 @@ def hull_points(task: Task, unsafe: Any, axes: Sequence[int]) -> Points:
 
 
 def _vertices_of_faces(faces: Sequence[tuple[tuple[Fraction, ...], Fraction]], d: int) -> Points:
-    """Return the points where d faces meet, by Cramer's rule, and which are in all half-spaces."""
+    """Return the vertices of a polytope: the points at which d faces meet (by Cramer's rule) and that satisfy all half-spaces."""
     vertices = []
     for meeting in itertools.combinations(faces, d):
         matrix, right = [list(normal) for normal, _ in meeting], [offset for _, offset in meeting]
