@@ -39,7 +39,7 @@ TABLES = {
     "stt_codegen/emit/document.py: BODIES",
     "stt_codegen/lemmas/emitted/functions.py: FORMULAS",
     "stt_codegen/pipeline.py: STAGES",
-    "stt_codegen/report/tube_readings.py: READINGS",
+    "stt_codegen/report/loop_analysis.py: READINGS",
     "benchmarks/suites/printed.py: DESIGN_LABELS",
 }
 # Files outside the tables that write the name of a kind, and its meaning there.

@@ -68,9 +68,9 @@ def funnel(family: Family, squares: Array, tube: object) -> LoadedController | N
     text = template("bench/funnel.c.j2").render(
         points=points[turns].tolist(),
         times=times[turns].tolist(),
-        wide=max(SMALLEST_START_RADIUS, rho_inf),
-        narrow=rho_inf,
-        rate=RATE,
+        first_radius=max(SMALLEST_START_RADIUS, rho_inf),
+        final_radius=rho_inf,
+        decay_rate=RATE,
         gain=GAIN * rho_inf,
     )
     return compile_peer(text, 2, 1e6, tube, real="double")

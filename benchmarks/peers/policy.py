@@ -94,7 +94,7 @@ class Policy:
             side=FAMILY.side, t_c=FAMILY.prescribed_time, half_target=BOX / 2, speed=SPEED, observation_size=OBSERVATION_SIZE,
             rays=numbers(RAY_DIRECTIONS),
             layers=[(numbers(w), numbers(b)) for w, b in self.layers], shift=numbers(self.shift), scale=numbers(self.scale),
-            boxes=numbers(boxes), widest=max(OBSERVATION_SIZE, *(len(b) for _, b in self.layers)),
+            boxes=numbers(boxes), largest_layer=max(OBSERVATION_SIZE, *(len(b) for _, b in self.layers)),
         )  # fmt: skip
 
     def save(self, path: Path) -> None:

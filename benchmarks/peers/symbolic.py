@@ -102,9 +102,9 @@ class GridController:
             cells=grid.cells,
             headings=grid.headings,
             scale=f"{float(grid.cells / Fraction(self.family.side))!r}F",
-            turn=f"{grid.headings / (2 * math.pi)!r}F",
+            headings_per_radian=f"{grid.headings / (2 * math.pi)!r}F",
             table=self.table.ravel().tolist(),
-            nothing=NO_INPUT,
+            no_input=NO_INPUT,
             inputs=[[f"{float(v)!r}F" for v in u] for u in grid.inputs(n)],
         )
 

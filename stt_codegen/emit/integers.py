@@ -20,11 +20,11 @@ from stt_codegen.program.targets import targets_of
 from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import Task
 
-Shares = tuple[float, ...]  # by component, of the way from the lower edge to the upper one
+Positions = tuple[float, ...]  # by component, of the way from the lower edge to the upper one
 
-NEAR_MIDDLE_SHARES: Shares = (0.48, 0.53, 0.505, 0.46)
-EDGE_SHARES = (0.03, 0.97, -0.5, 1.5)  # beside the edges and outside
-BESIDE_EDGE_SHARES = (-0.02, 1.02)  # just outside
+NEAR_MIDDLE_POSITIONS: Positions = (0.48, 0.53, 0.505, 0.46)
+EDGE_POSITIONS = (0.03, 0.97, -0.5, 1.5)  # beside the edges and outside
+OUTSIDE_POSITIONS = (-0.02, 1.02)  # just outside
 INTEGER_ENDS = (-(2**31), 2**31 - 1)
 SEARCHED_TICKS = 256  # of a mission, among which the widest tube and all rows of 1/d are looked for
 
@@ -113,12 +113,15 @@ def _literal(value: int) -> str:
 # ------------------------------------------------------------------------------------------------ self-test
 
 
-class _Stand(NamedTuple):
-    """A tick, and where x and v + lambda x stand between their edges at it; without a filter only x counts."""
+class _TubeState(NamedTuple):
+    """A tick, and the positions of x and v + lambda x between their edges at that tick.
+
+    A position is 0 at the lower edge and 1 at the upper edge. Without a filter only x counts.
+    """
 
     tick: int
-    x: Shares
-    filtered: Shares
+    x: Positions
+    filtered: Positions
 
 
 @dataclass(frozen=True)
@@ -132,14 +135,14 @@ class _State:
 def _selftest_calls(design: RefinedDesign, module: ModuleType, last_tick: int, octaves: int) -> list[tuple[int, list[int], str]]:
     """Return calls of `control`: the tick, its arguments with the u that they give, and the name of the status."""
     widths = _widths_by_tick(design, module, last_tick)
-    stands = [
-        *_stands_in_segments(design, last_tick),
-        *_stands_in_rise_rows(design, widths, octaves),
-        *_stands_in_over_rows(design, widths),
+    tube_states = [
+        *_states_in_segments(design, last_tick),
+        *_states_in_rise_rows(design, widths, octaves),
+        *_states_in_over_rows(design, widths),
     ]
     if design.filter:
-        stands += _stands_outside_one_tube(design, last_tick)
-    states = [_State(s.tick, _state_at(design, module, s)) for s in stands]
+        tube_states += _states_outside_one_tube(design, last_tick)
+    states = [_State(s.tick, _state_at(design, module, s)) for s in tube_states]
     if not design.filter:
         states += _states_beside_edges(module, last_tick)
     vector_count = 2 if design.filter else 1
@@ -151,47 +154,47 @@ def _selftest_calls(design: RefinedDesign, module: ModuleType, last_tick: int, o
     return calls
 
 
-def _stands_in_segments(design: RefinedDesign, last_tick: int) -> list[_Stand]:
+def _states_in_segments(design: RefinedDesign, last_tick: int) -> list[_TubeState]:
     """Return states near the middle in every third segment, where u is not saturated, so that every coefficient moves some u;
     and states beside the edges and outside, spread over the mission."""
     n = design.dimension
     segments = [k for k in range(design.segments) if k % 3 == 0 or k == design.segments - 1]
     ticks = [last_tick * (2 * k + 1) // (2 * design.segments) for k in segments]
-    stands = [_near_middle(tick, k, n) for k, tick in enumerate([*ticks, 0, last_tick, 2**32 - 1])]
-    for k, share in enumerate(EDGE_SHARES):
-        stands.append(_Stand(last_tick * (2 * k + 1) // (2 * len(EDGE_SHARES)), (share,) * n, (share,) * n))
-    return stands
+    tube_states = [_near_middle(tick, k, n) for k, tick in enumerate([*ticks, 0, last_tick, 2**32 - 1])]
+    for k, position in enumerate(EDGE_POSITIONS):
+        tube_states.append(_TubeState(last_tick * (2 * k + 1) // (2 * len(EDGE_POSITIONS)), (position,) * n, (position,) * n))
+    return tube_states
 
 
-def _stands_in_rise_rows(design: RefinedDesign, widths: dict[int, list[int]], octaves: int) -> list[_Stand]:
+def _states_in_rise_rows(design: RefinedDesign, widths: dict[int, list[int]], octaves: int) -> list[_TubeState]:
     """Return a state for every row of the curve H, where the tube is widest, so that u is the smallest."""
     n, rows = design.dimension, octaves << H_PIECE_BITS
     widest_tick = max(widths, key=lambda tick: min(widths[tick]))
-    stands = []
+    tube_states = []
     for row in range(rows):
-        shares = tuple(_share_in_row(row + i * rows // n, octaves, i % 2 == 1) for i in range(n))
-        stands.append(_Stand(widest_tick, (0.5,) * n if design.filter else shares, shares))
-    return stands
+        positions = tuple(_position_in_row(row + i * rows // n, octaves, i % 2 == 1) for i in range(n))
+        tube_states.append(_TubeState(widest_tick, (0.5,) * n if design.filter else positions, positions))
+    return tube_states
 
 
-def _stands_in_over_rows(design: RefinedDesign, widths: dict[int, list[int]]) -> list[_Stand]:
+def _states_in_over_rows(design: RefinedDesign, widths: dict[int, list[int]]) -> list[_TubeState]:
     """Return a state near the middle for every row of the curve 1/d, which the leading bits of a width select."""
-    stands = []
+    tube_states = []
     covered_rows: set[tuple[int, int]] = set()
     for tick, tick_widths in widths.items():
         rows = {(i, w >> (w.bit_length() - 1 - RECIPROCAL_PIECE_BITS)) for i, w in enumerate(tick_widths)}
         if rows - covered_rows:
-            stands.append(_near_middle(tick, tick, design.dimension))
+            tube_states.append(_near_middle(tick, tick, design.dimension))
             covered_rows |= rows
-    return stands
+    return tube_states
 
 
-def _stands_outside_one_tube(design: RefinedDesign, last_tick: int) -> list[_Stand]:
+def _states_outside_one_tube(design: RefinedDesign, last_tick: int) -> list[_TubeState]:
     """Return states of order 2 of which only x, or only v + lambda x, is outside its tube."""
     n = design.dimension
     middle = (0.5,) * n
-    stands = [_Stand(last_tick // 2, (share,) * n, middle) for share in BESIDE_EDGE_SHARES]
-    return stands + [_Stand(last_tick // 2, middle, (share,) * n) for share in BESIDE_EDGE_SHARES]
+    tube_states = [_TubeState(last_tick // 2, (position,) * n, middle) for position in OUTSIDE_POSITIONS]
+    return tube_states + [_TubeState(last_tick // 2, middle, (position,) * n) for position in OUTSIDE_POSITIONS]
 
 
 def _states_beside_edges(module: ModuleType, last_tick: int) -> list[_State]:
@@ -202,17 +205,17 @@ def _states_beside_edges(module: ModuleType, last_tick: int) -> list[_State]:
     return [_State(tick, [[v + step for v in x]]) for x in (lower, upper, middle) for step in (-1, 0, 1)]
 
 
-def _near_middle(tick: int, k: int, n: int) -> _Stand:
-    """Return a state near the middle of both tubes: NEAR_MIDDLE_SHARES from entry k on, and from entry k + 1 on."""
+def _near_middle(tick: int, k: int, n: int) -> _TubeState:
+    """Return a state near the middle of both tubes: NEAR_MIDDLE_POSITIONS from entry k on, and from entry k + 1 on."""
 
-    def shares_from(first: int) -> Shares:
-        return tuple(NEAR_MIDDLE_SHARES[(first + i) % len(NEAR_MIDDLE_SHARES)] for i in range(n))
+    def positions_from(first: int) -> Positions:
+        return tuple(NEAR_MIDDLE_POSITIONS[(first + i) % len(NEAR_MIDDLE_POSITIONS)] for i in range(n))
 
-    return _Stand(tick, shares_from(k), shares_from(k + 1))
+    return _TubeState(tick, positions_from(k), positions_from(k + 1))
 
 
-def _share_in_row(row: int, octaves: int, is_high: bool) -> float:
-    """Return the share at which y = 1 - |e| is in the middle of a row of H; is_high: on the upper half."""
+def _position_in_row(row: int, octaves: int, is_high: bool) -> float:
+    """Return the position at which y = 1 - |e| is in the middle of a row of H; is_high: on the upper half."""
     octave, part = divmod(row % (octaves << H_PIECE_BITS), 1 << H_PIECE_BITS)
     y = 2.0 ** -(octave + 1) * (1 + (part + 0.5) / (1 << H_PIECE_BITS))
     return 1 - y / 2 if is_high else y / 2
@@ -225,11 +228,11 @@ def _widths_by_tick(design: RefinedDesign, module: ModuleType, last_tick: int) -
     return {tick: [b - a for a, b in zip(*tube(tick), strict=True)] for tick in ticks}
 
 
-def _state_at(design: RefinedDesign, module: ModuleType, stand: _Stand) -> list[list[int]]:
+def _state_at(design: RefinedDesign, module: ModuleType, stand: _TubeState) -> list[list[int]]:
     """Return x, and of order 2 v, in units."""
 
-    def between(edges: Any, shares: Shares) -> list[int]:
-        return [a + round((b - a) * share) for a, b, share in zip(*edges, shares, strict=True)]
+    def between(edges: Any, positions: Positions) -> list[int]:
+        return [a + round((b - a) * position) for a, b, position in zip(*edges, positions, strict=True)]
 
     x = between(module.tube(stand.tick), stand.x)
     if not design.filter:

@@ -30,22 +30,22 @@ Edges = dict[str, list[arb]]  # "lower" and "upper", by component
 
 
 class Position(NamedTuple):
-    """Where x and v + lambda x stand between their edges: 0 at the lower one, 1 at the upper one, None near the middle."""
+    """The positions of x and v + lambda x between their edges: 0 at the lower edge, 1 at the upper edge, None near the middle."""
 
     x: Fraction | None
     filtered: Fraction | None
 
 
 class CallPlan(NamedTuple):
-    """A call: the share of t_c at which its segment or part begins, and where the state stands."""
+    """A call. begin: where its segment or part begins, as a fraction of t_c; position: of the state between the edges."""
 
     begin: Fraction
     position: Position
 
 
 NEAR_MIDDLE = Position(None, None)
-# "Near the middle", by component: the next dimension takes the next of the list, v + lambda x the one after that of x.
-MIDDLE_SHARES = tuple(Fraction(v) for v in ("0.4", "0.6", "0.45", "0.55", "0.375"))
+# Positions near the middle. Each dimension takes the next of the list; v + lambda x takes the one after that of x.
+MIDDLE_FRACTIONS = tuple(Fraction(v) for v in ("0.4", "0.6", "0.45", "0.55", "0.375"))
 EDGE_POSITIONS = tuple(Position(Fraction(v), None) for v in ("0.03", "0.97", "-0.5", "1.5", "9"))
 EDGE_POSITIONS_ORDER_TWO = (
     *(Position(None, Fraction(v)) for v in ("0.03", "0.97", "-0.5", "1.5")),
@@ -53,8 +53,8 @@ EDGE_POSITIONS_ORDER_TWO = (
     Position(Fraction(9), Fraction(9)),
 )
 PARTS = 36  # of the time, where there are no segments
-SHARES_IN_SEGMENT = tuple(Fraction(v) for v in ("0.45", "0.4", "0.5", "0.35", "0.55"))  # of a segment or part, for t; best first
-PIECES = 16  # of the ball of t's share of its segment, for order 2
+SEGMENT_FRACTIONS = tuple(Fraction(v) for v in ("0.45", "0.4", "0.5", "0.35", "0.55"))  # for t in a segment or part; best first
+PIECES = 16  # into which the ball of t's fraction of its segment is cut, for order 2
 LARGEST_RELATIVE_RADIUS = 1 / 8  # of u near the middle: if u were less certain, a wrong table would pass
 DECIDED_RADIUS = 1e-4  # of an edge, over 1 + its size: a larger ball says that two segments are possible
 
@@ -131,7 +131,7 @@ class _CallCalculator:
         """Return call k of the function `name`. Raises `BadInput` where rounding leaves status or u too uncertain."""
         scalar = self.program.scalar
         part = Fraction(1, self.design.parts or PARTS)
-        inputs, tube, filtered_tube = self._time([plan.begin + share * part for share in self._shares_in_segment], k)
+        inputs, tube, filtered_tube = self._time([plan.begin + fraction * part for fraction in self._segment_fractions], k)
         inputs["x"] = [round_to(value, scalar) for value in _state_at(tube, plan.position.x, k)]
         if filtered_tube is not None:
             filtered_state = _state_at(filtered_tube, plan.position.filtered, k + 1)
@@ -156,43 +156,45 @@ class _CallCalculator:
     def _run(self, name: str, inputs: dict[str, Any]) -> tuple[dict[str, list[arb]], Any]:
         """Return u and the statuses.
 
-        Of order 2 a slope is a small difference of large terms. All of them depend on t's share of its segment, which balls
-        forget; so that share is taken in pieces. A tick gives it so exactly that there is no need.
+        Of order 2 a slope is a small difference of large terms. All of them depend on t's fraction of its segment, which balls
+        forget. So that fraction is cut into pieces, except for a tick, which gives it exactly enough.
         """
         if self.task.order == 1 or name != "control":
             return self.balls.run(name, **inputs)
-        row, share = self.balls.kernel("segment", inputs["t"])
-        ends = [share.lower() + (share.upper() - share.lower()) * k / PIECES for k in range(PIECES)] + [share.upper()]
+        row, fraction = self.balls.kernel("segment", inputs["t"])
+        ends = [fraction.lower() + (fraction.upper() - fraction.lower()) * k / PIECES for k in range(PIECES)] + [fraction.upper()]
         return self.balls.run_assuming(name, "segment", [(row, a.union(b)) for a, b in pairwise(ends)], **inputs)
 
     @cached_property
-    def _shares_in_segment(self) -> Sequence[Fraction]:
-        """Return SHARES_IN_SEGMENT, for order 2 those first at which a wrong table entry moves the filtered edges the most.
+    def _segment_fractions(self) -> Sequence[Fraction]:
+        """Return SEGMENT_FRACTIONS, for order 2 those first at which a wrong table entry moves the filtered edges the most.
 
-        An entry moves a filtered edge by the edge's rate and by lambda times the edge, and at some shares the two cancel.
+        An entry moves a filtered edge by the edge's rate and by lambda times the edge, and at some fractions the two cancel.
         """
         if not self.design.filter:
-            return SHARES_IN_SEGMENT
+            return SEGMENT_FRACTIONS
         per_second = float(Fraction(self.design.parts or PARTS) / self.design.prescribed_time)
 
-        def smallest_effect(share: Fraction) -> float:
-            weights, rates = ([float(w.mid()) for w in self.balls.kernel(name, ball(share))] for name in ("basis", "basis_rate"))
+        def smallest_effect(fraction: Fraction) -> float:
+            weights, rates = (
+                [float(w.mid()) for w in self.balls.kernel(name, ball(fraction))] for name in ("basis", "basis_rate")
+            )
             return min(
                 abs(per_second * rate + float(value) * weight)
                 for value in self.design.filter
                 for weight, rate in zip(weights, rates, strict=True)
             )
 
-        return sorted(SHARES_IN_SEGMENT, key=smallest_effect, reverse=True)
+        return sorted(SEGMENT_FRACTIONS, key=smallest_effect, reverse=True)
 
-    def _time(self, shares: Sequence[Fraction], k: int) -> tuple[dict[str, Any], Edges, Edges | None]:
+    def _time(self, fractions: Sequence[Fraction], k: int) -> tuple[dict[str, Any], Edges, Edges | None]:
         """Return the time (and alpha) of call k, the tube's edges then, and for order 2 those of the filtered tube.
 
-        shares: of t_c, to be tried in order: one too near to a knot, where rounding leaves two segments possible, is passed over.
+        fractions: of t_c, tried in order. One is skipped if it is so near a knot that rounding leaves two segments possible.
         """
         names = ["tube"] if self.task.order == 1 else ["tube", "filtered_tube"]
-        for share in shares:
-            inputs: dict[str, Any] = {"t": round_to(self.task.prescribed_time * share, self.program.scalar)}
+        for fraction in fractions:
+            inputs: dict[str, Any] = {"t": round_to(self.task.prescribed_time * fraction, self.program.scalar)}
             if any(p.name == "alpha" for p in self.program.function("control").params):
                 inputs["alpha"] = [Fraction(k % 4, 8)] * (2 * self.program.dimension)
             tubes = [self.balls.run(name, **{key: _balls(v) for key, v in inputs.items()})[0] for name in names]
@@ -206,12 +208,13 @@ def _is_certain(u: arb, is_limited: bool) -> bool:
     return bool(u.is_finite() and not (is_limited and u.rad() > LARGEST_RELATIVE_RADIUS * abs(u.mid())))
 
 
-def _state_at(edges: Edges, share: Fraction | None, k: int) -> list[Fraction]:
-    """Return the state at this share of the way from the lower edge to the upper one, or near the middle as of call k."""
+def _state_at(edges: Edges, fraction: Fraction | None, k: int) -> list[Fraction]:
+    """Return the state at this fraction of the way from the lower edge to the upper one, or near the middle as of call k."""
     state = []
     for i, (a, b) in enumerate(zip(edges["lower"], edges["upper"], strict=True)):
         lower, upper = Fraction(float(a.mid())), Fraction(float(b.mid()))
-        state.append(lower + (MIDDLE_SHARES[(k + i) % len(MIDDLE_SHARES)] if share is None else share) * (upper - lower))
+        middle = MIDDLE_FRACTIONS[(k + i) % len(MIDDLE_FRACTIONS)]
+        state.append(lower + (middle if fraction is None else fraction) * (upper - lower))
     return state
 
 

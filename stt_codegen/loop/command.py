@@ -28,7 +28,7 @@ BOUNDS = "bounds"  # the name that --plant gives `corner_plants`
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """The options of `simulate`; None: what the task or the plant says. Fields are as in `Scenario`, but for these:
+    """The options of `simulate`; None stands for the value of the task or the plant. `Scenario` has the other fields:
 
     plant: a name, a file, or "bounds" for the worst of the plants at the corners of [plant]. start: numbers with commas between
     them. gain: a number, or "best". axes: pairs of dimensions to draw in, by name with a comma between them.

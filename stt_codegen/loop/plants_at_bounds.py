@@ -10,7 +10,7 @@ from stt_codegen.task import Task
 
 
 def corner_plants(task: Task) -> list[Plant]:
-    """Return plants at the corners of what P9 is about.
+    """Return plants at the corners of the set of plants that P9 covers.
 
     Every g_ii is the weakest or the strongest (of -g for a negative gain), every g_ij as large as may be with either sign. f
     counts as a part of w, which acts in the direction of the disturbance.
@@ -32,7 +32,7 @@ def _largest_couplings(task: Task) -> list[Fraction]:
     """Return the largest |g_ij| of each row i that the bounds allow.
 
     Where u is scaled as a whole, g_min and g_max bound norms. Couplings are antisymmetric then, so that the symmetric part of g
-    stays the diagonal, and they are as large as g_max leaves room for.
+    stays the diagonal, and they are as large as g_max allows.
     """
     bounds, n = task.plant_bounds, task.dimension
     cross = [b.cross for b in bounds]

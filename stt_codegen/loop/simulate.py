@@ -31,7 +31,7 @@ from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
 DISTURBANCES = ("none", "constant", "sinusoidal", "random", "nearest", "outward")
-CLOCKS = ("stated", "early", "late", "worst")  # what the sets' clock shows, within timing and start_delay
+CLOCKS = ("stated", "early", "late", "worst")  # errors of the clock by which sets move; see `Scenario`
 MAX_STEP = 0.001  # seconds, of the integrator
 MIN_STEPS_PER_PERIOD = 4
 MAX_SAMPLES = 10_000_000  # of a run
@@ -45,12 +45,16 @@ MAX_PENDING_INPUTS = 100  # that wait to act under latency, less than in loop.h
 class Scenario:
     """The conditions of a run.
 
-    rate: samples a second. strength: bound on |w|. shares: of w by component, where its bounds differ: `strength` is then the
-    largest of them, and |w_i| <= shares[i] strength. noise, noise_v: bounds on the error of every measured component of x and v.
-    lost: samples that may be lost in a row. latency: seconds from a sample to its input. lag: seconds of a first-order lag of
-    what acts behind u. start: x(0), of order 2 with v(0) behind it or at rest; None: the task's. clock, of sets that move: stated
-    (their times are right, and the controller starts in time), early (they are as far behind as may be), late (as far ahead, with
-    the controller's start_delay), or worst (at every moment and for every set the worst of nine readings from early to late).
+    rate: samples a second.
+    strength: bound on |w|. shares: ratios, at most 1: |w_i| <= shares[i] strength; empty: all are 1.
+    noise, noise_v: bounds on the error of every measured component of x and v.
+    lost: samples that may be lost in a row.
+    latency: seconds from a sample to its input. lag: time constant, in seconds, of a drive: the plant's input follows u by a
+        first-order lag; 0: it is u.
+    start: x(0), of order 2 with v(0) behind it or at rest; None: the task's.
+    clock: the error of the clock by which sets move. stated: none. early: it is behind the controller's by `timing`. late: it
+        is ahead by `timing` and start_delay. worst: nine errors from early to late are tried for every set at every time; a
+        collision with one counts.
     """
 
     rate: float = 1000.0
@@ -99,7 +103,7 @@ class Scenario:
 
     @property
     def age(self) -> float:
-        """The greatest age of a sample whose input still acts, seconds."""
+        """The greatest age, in seconds, of a sample whose input acts."""
         return (self.lost + 1) / self.rate + self.latency
 
 
@@ -287,15 +291,15 @@ class Loop:
 
 
 def _draw_constants(plant: Model, seed: int) -> Array:
-    """Return the plant's constants for a run: at an end of their ranges for even seeds, else anywhere in them."""
+    """Draw the plant's constants for a run: for an even seed each is an end of its range, for an odd one any value of it."""
     low, high = np.array(plant.constants).reshape(-1, 2).T
     draw = np.random.default_rng([seed, len(low)])
-    share = draw.uniform(size=len(low))
-    return np.ascontiguousarray(low + (np.round(share) if seed % 2 == 0 else share) * (high - low))
+    fraction = draw.uniform(size=len(low))
+    return np.ascontiguousarray(low + (np.round(fraction) if seed % 2 == 0 else fraction) * (high - low))
 
 
 def scenario_of_task(task: Task) -> dict[str, Any]:
-    """Return what a task says of its loop, by the names of `Scenario`: rate, noise, noise_v, latency."""
+    """Return the conditions that a task states, by their names in `Scenario`: rate, noise, noise_v, latency."""
     return {
         "rate": float(1 / task.sampling_period),
         "noise": float(task.plant.noise or 0),

@@ -1,11 +1,11 @@
 """Units of co-simulation (FMI 3.0 and 2.0) of a controller and of a plant: sources, a binary of this machine, a description.
 
-An output follows the inputs at once, as in the reference units of the standard: set x, read u, step. So an importer that connects
-a controller with a plant exchanges at each step what a board and a robot exchange at a sample.
+An output follows the inputs at once, as in the reference units of the standard: set x, read u, step. An importer that connects
+a controller with a plant therefore exchanges x and u once a step, as a board and a robot do once a sample.
 
 record/package.py calls `fmu_units`.
 
-Long because FMI asks for every variable by name and for a list of the functions that a unit does not offer.
+Long because FMI wants a description of every variable, and a definition of every function, also of those that return an error.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model, model
 from stt_codegen.program import Program, round_to, shortest
-from stt_codegen.program.convert import lower
+from stt_codegen.program.convert import lower as lower_to_kernel
 from stt_codegen.program.targets import run_compiler
 from stt_codegen.program.targets.c import CPrinter
 from stt_codegen.program.targets.c.runner import STRICT, find_compiler
@@ -66,30 +66,33 @@ def fmu_units(controller: EmittedController, plant: Model | None = None) -> File
 
 
 class VariableList:
-    """The variables of a unit in the order of their references, and where the first of each group stands, by the group's name."""
+    """The variables of a unit in the order of their references, and the first reference of each group of variables."""
 
     def __init__(self) -> None:
         self.variables = [_seconds("time", "independent", "since the start")]
-        self.places: dict[str, int] = {}  # for the template
+        self.first_references: dict[str, int] = {}  # by group, for the template
 
-    def add(self, group: str, *variables: Variable) -> None:
-        """Append the variables of a group; of two groups with one name, the first one's place counts."""
-        self.places.setdefault(group, len(self.variables))
+    def append_group(self, group: str, *variables: Variable) -> None:
+        """Append variables to a group. A group that has variables already keeps its first reference."""
+        self.first_references.setdefault(group, len(self.variables))
         self.variables.extend(variables)
 
 
 @dataclass(frozen=True)
 class Signal:
-    """One variable for each dimension of a task. begin: literals of C; rate_order: of its unit, see `Variable`."""
+    """One variable for each dimension of a task.
+
+    letter: begins the names. initial_values: literals of C. rate_order: the unit is divided by seconds to this power.
+    """
 
     letter: str
     causality: str
     description: str
-    begin: Sequence[str]
+    initial_values: Sequence[str]
     rate_order: int
     _: KW_ONLY
     follows_inputs: bool = False
-    start_of: str = ""  # the letter of the outputs whose start it is
+    start_of: str = ""  # of a parameter: the letter of the outputs whose initial values it sets
 
 
 def _signal_variables(task: Task, signal: Signal) -> list[Variable]:
@@ -101,15 +104,15 @@ def _signal_variables(task: Task, signal: Signal) -> list[Variable]:
             name,
             signal.causality,
             signal.description,
-            begin,
+            initial_value,
             _over_time(unit, signal.rate_order),
             base_unit=unit,
             rate_order=signal.rate_order,
             follows_inputs=signal.follows_inputs,
             start_of=output,
         )
-        for name, begin, unit, output in zip(
-            _dimension_names(task, signal.letter), signal.begin, task.units or ("",) * n, outputs, strict=True
+        for name, initial_value, unit, output in zip(
+            _dimension_names(task, signal.letter), signal.initial_values, task.units or ("",) * n, outputs, strict=True
         )
     ]
 
@@ -130,8 +133,8 @@ def _over_time(unit: str, rate_order: int) -> str:
     return f"{numerator}/s{'' if rate_order == 1 else rate_order}"
 
 
-def _seconds(name: str, causality: str, description: str, begin: str = "0.0") -> Variable:
-    return Variable(name, causality, description, begin, "s", base_unit="s")
+def _seconds(name: str, causality: str, description: str, initial_value: str = "0.0") -> Variable:
+    return Variable(name, causality, description, initial_value, "s", base_unit="s")
 
 
 def _double_literal(value: Fraction) -> str:
@@ -148,7 +151,7 @@ def controller_unit(controller: EmittedController) -> Unit:
     variables = _controller_variables(task, proved_period, has_phases)
     body = template("fmu/controller.c.j2").render(
         prefix=task.name, macro=task.name.upper(), order=task.order, outside=task.control.outside,
-        cycle=cycle_literal(design), phases=has_phases, places=variables.places, proved=proved is not None,
+        cycle=cycle_literal(design), phases=has_phases, first_references=variables.first_references, proved=proved is not None,
     )  # fmt: skip
     common = file_names(task.name)
     sources = [common.header, *driven_sources(task), *([phase_name(task.name)] if has_phases else [])]
@@ -191,21 +194,23 @@ def _controller_variables(task: Task, proved_period: str | None, has_phases: boo
     ]
     variables = VariableList()
     for signal in signals:
-        variables.add(signal.letter, *_signal_variables(task, signal))
+        variables.append_group(signal.letter, *_signal_variables(task, signal))
     margin = "distance to the nearest edge over the width: 0.5 in the middle, 0 at an edge"
-    variables.add("margin", Variable("margin", "output", margin, follows_inputs=True))
+    variables.append_group("margin", Variable("margin", "output", margin, follows_inputs=True))
     variables.variables.append(_seconds("t_c", "local", "prescribed time", _double_literal(task.prescribed_time)))
     if proved_period is not None:
         bound = f"between samples, at most ({Property.PERIOD.code})"
-        variables.add("period_proved", _seconds("period_proved", "local", bound, proved_period))
+        variables.append_group("period_proved", _seconds("period_proved", "local", bound, proved_period))
     status = "0: inside the tube, 1: outside, 2: an input is not finite"
     variables.variables.append(Variable("status", "output", status, is_integer=True, follows_inputs=True))
     if has_phases:
         phase = "entry of the mission that is being served, from 1; 0: done"
         variables.variables.append(Variable("phase", "output", phase, is_integer=True, follows_inputs=tube_waits))
     if proved_period is not None:
-        kept = "states were no farther apart than period_proved, and every u was read where its state was set"
-        variables.variables.append(Variable("period_kept", "output", kept, is_boolean=True))
+        condition = (
+            "true while x was set at least once per period_proved, and every u was read at the time at which its x was set"
+        )
+        variables.variables.append(Variable("period_kept", "output", condition, is_boolean=True))
     return variables
 
 
@@ -213,9 +218,11 @@ def _state_members(outside: str, has_proved_period: bool) -> tuple[str, ...]:
     """Return declarations in C of what the unit remembers between steps. outside: the task's control.outside."""
     members = {"hold": ["double kept[2], next[2];"], "stop": ["double kept[1], next[1];"]}.get(outside, [])
     if has_proved_period:
-        members.append(
-            "double sample_age, input_age, delay; /* seconds since x was set, of the x of the last u, at the reading of u */"
-        )
+        members += [
+            "double sample_age; /* seconds since x was set */",
+            "double input_age; /* seconds since the x was set from which the last u was computed */",
+            "double delay; /* seconds from the setting of that x to the reading of u */",
+        ]
     return tuple(members)
 
 
@@ -223,13 +230,13 @@ def plant_unit(task: Task, plant: Model) -> Unit:
     """Return the unit of a plant in the task's dimensions. It begins in the task's initial state; order 2: at rest."""
     n, order = task.dimension, task.order
     variables = _plant_variables(task, plant)
-    kernel = lower(model(plant, n, order))
+    kernel = lower_to_kernel(model(plant, n, order))
     lines = CPrinter(Program("plant", n, "double", (), (kernel,), functions=())).kernel(kernel)
     sizes = {"x": order * n, "p": len(plant.constants), "sample": n if plant.mixing else 0}
     inputs = [f"{array}[{i}]" for array, size in sizes.items() for i in range(size)]
     outputs = [f"&f[{i}]" for i in range(n)] + [f"&g[{i}]" for i in range(n * n)]
     body = template("fmu/plant.c.j2").render(
-        name=plant.name, kernel="\n".join(lines), n=n, order=order, places=variables.places,
+        name=plant.name, kernel="\n".join(lines), n=n, order=order, first_references=variables.first_references,
         arguments=", ".join([*inputs, *outputs]),
     )  # fmt: skip
     return Unit(
@@ -246,18 +253,24 @@ def _plant_variables(task: Task, plant: Model) -> VariableList:
     zeros, initial_state = ["0.0"] * task.dimension, [_double_literal(v) for v in task.initial_state]
     states = [("x", "state", initial_state, 0), *([("v", "velocity", zeros, 1)] if task.order == 2 else [])]
     variables = VariableList()
-    variables.add("u", *_signal_variables(task, Signal("u", "input", "input, held between two steps", zeros, task.order)))
-    variables.add("w", *_signal_variables(task, Signal("w", "input", "disturbance, held between two steps", zeros, task.order)))
-    for letter, description, begin, rate_order in states:
-        variables.add(letter, *_signal_variables(task, Signal(letter, "output", description, begin, rate_order)))
-    for letter, _, begin, rate_order in states:
-        start = Signal(f"{letter}_start", "parameter", "at the start", begin, rate_order, start_of=letter)
-        variables.add("start", *_signal_variables(task, start))
+    variables.append_group(
+        "u", *_signal_variables(task, Signal("u", "input", "input, held between two steps", zeros, task.order))
+    )
+    variables.append_group(
+        "w", *_signal_variables(task, Signal("w", "input", "disturbance, held between two steps", zeros, task.order))
+    )
+    for letter, description, initial_values, rate_order in states:
+        variables.append_group(
+            letter, *_signal_variables(task, Signal(letter, "output", description, initial_values, rate_order))
+        )
+    for letter, _, initial_values, rate_order in states:
+        start = Signal(f"{letter}_start", "parameter", "at the start", initial_values, rate_order, start_of=letter)
+        variables.append_group("start", *_signal_variables(task, start))
     constants = [
         Variable(f"p{k + 1}", "parameter", f"a constant of the plant, from {a:g} to {b:g}", repr((a + b) / 2))
         for k, (a, b) in enumerate(plant.constants)
     ]
-    variables.add("p", *constants)
+    variables.append_group("p", *constants)
     return variables
 
 
@@ -274,7 +287,7 @@ def pack(unit: Unit, version: int) -> bytes:
     if unit.checks_steps:
         not_offered = [name for name in not_offered if name != "GetBoolean"]
     words = {
-        "name": unit.name, "version": version, "token": unit.token, "kept": unit.state_members, "body": unit.body,
+        "name": unit.name, "version": version, "token": unit.token, "state_members": unit.state_members, "body": unit.body,
         "numbers": [v for v in unit.variables if not v.is_integer and not v.is_boolean],
         "wholes": [v for v in unit.variables if v.is_integer], "flags": [v for v in unit.variables if v.is_boolean],
         "includes": f'#include "{unit.header}"\n' if unit.header else "",

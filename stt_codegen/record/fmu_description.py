@@ -23,15 +23,15 @@ SI_BASE_UNITS = {
 class Variable:
     """One variable of a unit: a double unless `is_integer` (int32) or `is_boolean` (true at the start).
 
-    causality: independent, input, output, parameter or local (a constant). begin: its value before the first step, a literal of
-    C. base_unit: the task's unit; `unit` is that over seconds to the power `rate_order`. start_of: for a parameter, the output
-    whose start it is.
+    causality: independent, input, output, parameter or local (a constant). initial_value: before the first step, a literal of C.
+    base_unit: the task's unit; `unit` is it divided by seconds to the power `rate_order`. start_of: of a parameter, the name of
+    the output whose initial value it sets.
     """
 
     name: str
     causality: str
     description: str
-    begin: str = "0.0"
+    initial_value: str = "0.0"
     unit: str = ""
     _: KW_ONLY
     is_integer: bool = False
@@ -43,13 +43,15 @@ class Variable:
 
     def __repr__(self) -> str:
         """Return the text that `Unit.token` hashes. Its names never change, so that an unchanged unit has the same token."""
-        texts = f"name={self.name!r}, causality={self.causality!r}, description={self.description!r}, begin={self.begin!r}"
+        texts = (
+            f"name={self.name!r}, causality={self.causality!r}, description={self.description!r}, begin={self.initial_value!r}"
+        )
         kinds = f"unit={self.unit!r}, whole={self.is_integer!r}, base={self.base_unit!r}, order={self.rate_order!r}"
         return f"Variable({texts}, {kinds}, direct={self.follows_inputs!r}, of={self.start_of!r})"
 
     @property
     def settable(self) -> int:
-        """Return when an importer may set it: 0 never, 1 at any time, 2 only before the first step."""
+        """Return when an importer may set the variable: 0 never, 1 at any time, 2 only before the first step."""
         return {"input": 1, "parameter": 2}.get(self.causality, 0)
 
 
@@ -76,7 +78,7 @@ class Unit:
 
     @property
     def checks_steps(self) -> bool:
-        """Whether it checks the times at which the importer steps, and warns in the log."""
+        """Whether the unit checks the times at which the importer steps, and warns in the log."""
         return any(v.is_boolean for v in self.variables)
 
     @property
@@ -95,8 +97,8 @@ def to_xml(root: ET.Element) -> bytes:
 def _units(root: ET.Element, unit: Unit) -> None:
     """Add the definitions of the variables' units; known ones are given in SI units."""
     definitions = ET.SubElement(root, "UnitDefinitions")
-    known_last = sorted(unit.variables, key=lambda v: v.base_unit in SI_BASE_UNITS)
-    examples = {v.unit: v for v in known_last if v.unit}  # one variable of each unit, with a known base unit if there is one
+    by_known_unit = sorted(unit.variables, key=lambda v: v.base_unit in SI_BASE_UNITS)
+    examples = {v.unit: v for v in by_known_unit if v.unit}  # one variable of each unit, with a known base unit if there is one
     for name, v in sorted(examples.items()):
         element = ET.SubElement(definitions, "Unit", name=name)
         if v.base_unit in SI_BASE_UNITS:
@@ -113,8 +115,8 @@ def _log_categories(root: ET.Element, unit: Unit) -> None:
 def _variable_attributes(v: Variable, reference: int) -> dict[str, str]:
     """Return the attributes that FMI 2.0 and 3.0 share. reference: the variable's value reference."""
     attributes = {"name": v.name, "valueReference": str(reference), "causality": v.causality, "description": v.description}
-    of_values = "discrete" if v.is_integer or v.is_boolean else "continuous"
-    attributes["variability"] = {"parameter": "fixed", "local": "constant"}.get(v.causality, of_values)
+    variability = "discrete" if v.is_integer or v.is_boolean else "continuous"
+    attributes["variability"] = {"parameter": "fixed", "local": "constant"}.get(v.causality, variability)
     if v.causality == "output":
         attributes["initial"] = "calculated"
     return attributes
@@ -140,7 +142,7 @@ def describe_fmi_3(unit: Unit, _compiled: Sequence[str]) -> ET.Element:
     for k, v in enumerate(_by_reference(unit)):
         attributes = _variable_attributes(v, k)
         if v.settable or v.causality == "local":
-            attributes["start"] = v.begin
+            attributes["start"] = v.initial_value
         if v.unit:
             attributes["unit"] = v.unit
         ET.SubElement(variables, "Boolean" if v.is_boolean else "Int32" if v.is_integer else "Float64", attributes)
@@ -170,7 +172,7 @@ def describe_fmi_2(unit: Unit, compiled: Sequence[str]) -> ET.Element:
     variables = ET.SubElement(root, "ModelVariables")
     for k, v in enumerate(_by_reference(unit)):
         number = ET.SubElement(variables, "ScalarVariable", _variable_attributes(v, k))
-        attributes = {"start": v.begin} if v.settable or v.causality == "local" else {}
+        attributes = {"start": v.initial_value} if v.settable or v.causality == "local" else {}
         if v.unit:
             attributes["unit"] = v.unit
         ET.SubElement(number, "Boolean" if v.is_boolean else "Integer" if v.is_integer else "Real", attributes)

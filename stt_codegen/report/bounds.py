@@ -47,10 +47,10 @@ class Hypothesis:
 
 @dataclass(frozen=True, kw_only=True)
 class ProvedPeriod:
-    """A proved sampling period in seconds, to which the latency has to be added for the age of a sample.
+    """A proved sampling period in seconds. The age of a sample is at most the period plus the latency.
 
-    statement: the kind of the sampling conditions. e, u: bounds on |e| and |u| by component. critical_window, critical_dimension:
-    the time from and until which, and the dimension from 1 (0: all) in which, no longer period is proved.
+    statement: the kind of the sampling conditions. e, u: bounds on |e| and |u| by component. critical_window: begin
+    and end, in seconds, of the window in which no longer period is proved. critical_dimension: its dimension, from 1; 0: all.
     """
 
     statement: str
@@ -62,7 +62,7 @@ class ProvedPeriod:
 
     @classmethod
     def of(cls, period: Period | None, latency: float = 0.0) -> ProvedPeriod | None:
-        """Return what is proved where u acts up to `latency` seconds after its sample; None where no period is left then."""
+        """Return the proved period minus the latency, in seconds; None unless a period longer than the latency is proved."""
         if period is None or not period.seconds > latency:
             return None
         begin, end, dimension = period.bottleneck
@@ -98,9 +98,10 @@ class Advice:
 
 @dataclass(frozen=True)
 class ProvedGains:
-    """The range of gains, by component in fixed proportions, that are all proved; last None: every gain from `first` on.
+    """A range of gains in fixed proportions of the components, all of which are proved.
 
-    first_is_end, last_is_end: whether no gain beyond is proved; else the search ended there.
+    last: None where every gain from `first` on is proved. first_is_end, last_is_end: whether the search found that no gain beyond
+    is proved; False where it stopped there.
     """
 
     first: tuple[float, ...]
@@ -127,11 +128,11 @@ class ProvedGains:
 class SamplingReport:
     """Periods and gains that a user can choose from, in seconds and by component.
 
-    All are for every start that `starts` describes, except `from_initial_state`, which is for that state alone. assumptions: what
-    the periods rest on and no program can check. shortest: a lower limit of periods, which the key `shortest_for` needs.
-    at_this_gain: for the task's gain. longest: the gain with the longest period; longest_with_limits: the same where
-    control.u_max may change. gains: those proved for the period `wanted`; smallest_error: the one of them with the smallest |e|
-    in a run from the middle.
+    All hold for every start that `starts` describes; `from_initial_state` holds for that state alone. assumptions: conditions of
+    the periods that no program can check. shortest: the lower limit of periods; shortest_for: the key of the task file that sets
+    it. at_this_gain: the period of the task's gain. longest: the gain with the longest period. longest_with_limits: that gain if
+    control.u_max may change. gains: the proved gains for the period `wanted`. smallest_error: the gain of that range with the
+    smallest |e| in a run from the middle.
     """
 
     plant: str
@@ -261,7 +262,7 @@ class BoundsReport:
         return all(h.holds for h in self.hypotheses)
 
     def document(self) -> dict[str, Any]:
-        """The report as JSON data."""
+        """Return the report as JSON data."""
         data = {name: getattr(self, name) for name in ("task", "design", "scalar", "plant", "noise", "latency")}
         data["hypotheses"] = [asdict(h) for h in self.hypotheses]
         data |= {"tube": self.tube.document(), "plant_over_the_tube": self.plant_over_the_tube.document()}

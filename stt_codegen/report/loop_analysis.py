@@ -6,23 +6,24 @@ report/hypotheses.py and report/analysis.py say and write what follows. docs/cer
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.certify.adaptive import enclosed_tube, enclosed_windows
 from stt_codegen.controller import rate_error
 from stt_codegen.decimals import by_component, decimal
-from stt_codegen.designs import require_refined
+from stt_codegen.design_kinds import DesignKind
+from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design, require_refined
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
-from stt_codegen.report.bounds import round_down
+from stt_codegen.report.bounds import UpdateFunctionBounds, round_down, round_up
 from stt_codegen.report.plant_table import uncovered_bounds
-from stt_codegen.report.tube_readings import READINGS
 from stt_codegen.sampling import (
     KNOWN_AGE_FACTOR,
     SAMPLING_CONDITIONS,
@@ -31,14 +32,17 @@ from stt_codegen.sampling import (
     Period,
     PlantEnclosure,
     SampledLoop,
+    Windows,
     bounds_of_task,
     condition_kinds_of,
     longest_proved_period_from,
     loop_of,
+    refined_windows,
     start_bound_of_task,
     velocity_bounds,
     worst_with_previous_window,
 )
+from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
 
@@ -221,3 +225,43 @@ class LoopAnalysis:
         It is compared in norm where u is scaled, else by component.
         """
         return not uncovered_bounds(self.controller.task, self.bounds)
+
+
+# ------------------------------------------------------------------------------------------------ by kind of design
+
+
+@dataclass(frozen=True)
+class TubeReading:
+    """The windows of a tube, and bounds on its update function where it has one."""
+
+    windows: Windows
+    update_function: UpdateFunctionBounds | None = None
+
+
+def _read_splines(_task: Task, design: RefinedDesign) -> TubeReading:
+    return TubeReading(refined_windows(design))
+
+
+def _read_adaptive(task: Task, design: AdaptiveDesign) -> TubeReading:
+    """Enclose the tube in balls, and bound what the repaired Lemma 3.3 needs: psi, alpha and the four gaps."""
+    tube = enclosed_tube(task, design)
+    psi, alpha, rho, beta = tube.lines.psi, tube.alpha, tube.lines.rho, tube.lines.beta
+    low, high = 0, 1
+    upper = (rho[:, :, 1, low] + alpha[:, :, 1, low], beta[:, :, 1, low])
+    lower = (rho[:, :, 0, high] - alpha[:, :, 0, low], beta[:, :, 0, high])
+    gap = min(float((a - b).min()) for a in upper for b in lower)
+    bounds = UpdateFunctionBounds(
+        round_down(float((psi[..., low] + alpha[..., low]).min())),
+        round_down(float(psi[0, ..., low].min())),
+        round_up(float(alpha[..., high].max())),
+        round_down(gap),
+        round_up(math.log(4) / float(design.nu)),
+    )
+    return TubeReading(enclosed_windows(tube), bounds)
+
+
+READINGS: Mapping[DesignKind, Callable[[Task, Design], TubeReading]] = {
+    "refined": for_any_design(RefinedDesign, _read_splines),
+    "adaptive": for_any_design(AdaptiveDesign, _read_adaptive),
+    "literal": for_any_design(AdaptiveDesign, _read_adaptive),
+}

@@ -24,10 +24,10 @@ OneOrEach = float | list[float] | None
 
 @dataclass(frozen=True, kw_only=True)
 class ProposedBounds:
-    """Values of [plant] that hold over the tube: one number, or one for each component.
+    """Values of [plant] that bound the plant over the tube: one number, or one for each component.
 
-    w_max: None where the equations have no disturbance. reason: why no table can state this plant, else empty. lines: the table
-    as a task file has it.
+    w_max: None where the equations have no disturbance. reason: why no table can state this plant; empty if one can. lines: the
+    lines of the table in a task file.
     """
 
     f_max: OneOrEach = None
@@ -100,23 +100,25 @@ def _digits(value: float, rounding: Callable[[Fraction, int], float]) -> str:
     return f"{rounding(Fraction(value), 9):.9g}" if math.isfinite(value) else "no known bound"
 
 
-def propose_bounds(task: Task, bounds: Sequence[Bounds], w: Fraction, opposite: Callable[[], Sequence[Bounds]]) -> ProposedBounds:
+def propose_bounds(
+    task: Task, bounds: Sequence[Bounds], w_bound: Fraction, bounds_of_minus_g: Callable[[], Sequence[Bounds]]
+) -> ProposedBounds:
     """Propose the table [plant] for a plant with these bounds by window.
 
-    w: the part of the bounds on |f + w| that is disturbance. opposite: returns the bounds of the plant with -g, to say whether a
-    gain of the other sign would do.
+    w_bound: bound on |w|, which the bounds on |f + w| include. bounds_of_minus_g: returns the bounds of the plant with -g for g,
+    which say whether a gain of the other sign would do.
     """
     worst = component_extremes(bounds)
     if task.order == 1:  # one number each, which holds for components and for norms
         norms = norm_extremes(bounds)
         disturbance, g_lower = max(norms.disturbance + worst.disturbance), min(norms.g_lower + worst.g_lower)
         worst = Extremes([disturbance], [g_lower], [max(norms.g_upper + worst.g_upper)], [max(worst.g_cross)])
-    reason = _reason(task, worst, opposite)
+    reason = _reason(task, worst, bounds_of_minus_g)
     if reason:
         return ProposedBounds(reason=reason)
     table = {
-        "f_max": [_stated_above(Fraction(v) - w) for v in worst.disturbance],
-        "w_max": [_stated_above(w)] if w else [],
+        "f_max": [_stated_above(Fraction(v) - w_bound) for v in worst.disturbance],
+        "w_max": [_stated_above(w_bound)] if w_bound else [],
         "g_min": [below(Fraction(v), 4) for v in worst.g_lower],
         "g_max": [_stated_above(Fraction(v)) for v in worst.g_upper],
         "g_cross": [_stated_above(Fraction(v)) for v in worst.g_cross],
@@ -157,7 +159,7 @@ def _lines(task: Task, table: dict[str, list[float]]) -> Iterator[str]:
             yield f"{name} = {decimal(error)}"
 
 
-def _reason(task: Task, worst: Extremes, opposite: Callable[[], Sequence[Bounds]]) -> str:
+def _reason(task: Task, worst: Extremes, bounds_of_minus_g: Callable[[], Sequence[Bounds]]) -> str:
     """Return why no table [plant] can state these bounds; empty where one can."""
     for name, values in (("f", worst.disturbance), ("g", [*worst.g_lower, *worst.g_upper, *worst.g_cross])):
         if not all(map(math.isfinite, values)):
@@ -167,12 +169,15 @@ def _reason(task: Task, worst: Extremes, opposite: Callable[[], Sequence[Bounds]
     positive = task.gain[0] > 0
     g, sign = ("g", "negative") if positive else ("-g", "positive")
     if task.order == 1:
-        quantity, opposite_lowest = f"the least eigenvalue of {g}_s", min(b.eigenvalue_min for b in opposite())
+        quantity, lowest_of_minus_g = f"the least eigenvalue of {g}_s", min(b.eigenvalue_min for b in bounds_of_minus_g())
     else:
         i = worst.g_lower.index(min(worst.g_lower))
-        quantity, opposite_lowest = f"{g}_ii of {task.axis_words[i]}", min(float(b.diagonal_min.min()) for b in opposite())
+        quantity, lowest_of_minus_g = (
+            f"{g}_ii of {task.axis_words[i]}",
+            min(float(b.diagonal_min.min()) for b in bounds_of_minus_g()),
+        )
     lowest = f"{below(Fraction(min(worst.g_lower)), 4):g}"
     problem = f"{quantity} is only known to be at least {lowest}, and plant.g_min is greater than 0"
-    if opposite_lowest > 0:
+    if lowest_of_minus_g > 0:
         return f"{problem}; use a {sign} control.gain, with which [plant] bounds {'-g' if positive else 'g'}"
     return problem

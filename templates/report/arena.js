@@ -118,7 +118,12 @@ function arena(figure, plane, control) {
       const [px, py] = toSvgCoordinates(event);
       control.hold([[i, lower[i] + (px - left) / sx], [j, upper[j] - (py - top) / sy]]);
     };
-    handle.addEventListener("pointerdown", (event) => { handle.setPointerCapture(event.pointerId); event.preventDefault(); handle.focus({ preventScroll: true }); dragTo(event); });
+    handle.addEventListener("pointerdown", (event) => {
+      handle.setPointerCapture(event.pointerId);
+      event.preventDefault();
+      handle.focus({ preventScroll: true });
+      dragTo(event);
+    });
     handle.addEventListener("pointermove", (event) => { if (handle.hasPointerCapture(event.pointerId)) dragTo(event); });
     for (const end of ["pointerup", "pointercancel"]) handle.addEventListener(end, () => control.release());
     handle.addEventListener("keydown", (event) => {
@@ -152,7 +157,10 @@ function arena(figure, plane, control) {
     const state = run ? run.x : midpoint(low, high);
     if (body) setAttributes(body, { x: x(state[i] - data.body[i]), y: y(state[j] + data.body[j]), width: 2 * data.body[i] * sx, height: 2 * data.body[j] * sy });
     robot.toggleAttribute("hidden", !run);
-    if (!run) { trace.setAttribute("points", ""); return; }
+    if (!run) {
+      trace.setAttribute("points", "");
+      return;
+    }
     robot.setAttribute("transform", `translate(${x(state[i]).toFixed(2)} ${y(state[j]).toFixed(2)})`);
     robot.classList.toggle("out", run.status !== 0);
     trace.setAttribute("points", points(run.trace.map((row) => [row.x[i], row.x[j]])));

@@ -47,7 +47,10 @@ function buildViews() {
 if (chosenViews.length) {
   chosenViews.forEach((axes, k) => viewSelect.add(new Option(axes.map((i) => data.axes[i]).join(", "), k)));
   byId("pair").hidden = chosenViews.length < 2;
-  viewSelect.addEventListener("change", () => { buildViews(); if (driver) driver.showLimits(); });
+  viewSelect.addEventListener("change", () => {
+    buildViews();
+    if (driver) driver.showLimits();
+  });
 } else arenaFigure.remove();
 let lastWidth = 0;
 new ResizeObserver(() => {
@@ -67,7 +70,11 @@ function animate(stamp) {
   else {
     let t = time + passed;
     if (t >= data.t_c && data.cycle) t -= data.cycle[1] - data.cycle[0];
-    if (t >= data.t_c) { showTime(data.t_c); stopPlaying(); return; }
+    if (t >= data.t_c) {
+      showTime(data.t_c);
+      stopPlaying();
+      return;
+    }
     showTime(t);
   }
   requestAnimationFrame(animate);
@@ -91,12 +98,24 @@ function goTo(t) {
   showTime(t);
 }
 for (const button of document.querySelectorAll("button.go-to-time")) {
-  button.addEventListener("click", () => { stopPlaying(); goTo(Number(button.dataset.time)); byId("tube").scrollIntoView({ block: "start" }); });
+  button.addEventListener("click", () => {
+    stopPlaying();
+    goTo(Number(button.dataset.time));
+    byId("tube").scrollIntoView({ block: "start" });
+  });
 }
 /* Paper shows the tube half way, if the page is at its beginning. */
 let timeBeforePrint = null;
-window.addEventListener("beforeprint", () => { if (time === 0 && !driving) { timeBeforePrint = time; showTime(data.t_c / 2); } });
-window.addEventListener("afterprint", () => { if (timeBeforePrint !== null) showTime(timeBeforePrint); timeBeforePrint = null; });
+window.addEventListener("beforeprint", () => {
+  if (time === 0 && !driving) {
+    timeBeforePrint = time;
+    showTime(data.t_c / 2);
+  }
+});
+window.addEventListener("afterprint", () => {
+  if (timeBeforePrint !== null) showTime(timeBeforePrint);
+  timeBeforePrint = null;
+});
 const billData = byId("bill");
 if (billData) {
   byId("save-bill").addEventListener("click", () => {
@@ -173,18 +192,34 @@ function createDriver(setting) {
   }
   const methods = {
     showLimits,
-    begin(t) { pendingSeconds = 0; loop.begin(t); showState(); },
+    begin(t) {
+      pendingSeconds = 0;
+      loop.begin(t);
+      showState();
+    },
     run(passed) {
       const now = currentConditions();
       pendingSeconds += passed * Number(driveElement("pace").value);
       let steps = 0;
-      while (pendingSeconds >= now.period && !loop.lost && steps++ < 4000) { loop.step(now); pendingSeconds -= now.period; }
+      while (pendingSeconds >= now.period && !loop.lost && steps++ < 4000) {
+        loop.step(now);
+        pendingSeconds -= now.period;
+      }
       if (steps >= 4000) pendingSeconds = 0;
       showState();
       if (loop.lost) stopPlaying();
     },
-    hold(where) { loop.hold(where); if (lastStamp === null) showState(); },
-    shove(i, by) { loop.shove(i, by); if (lastStamp === null) { loop.step(currentConditions()); showState(); } },
+    hold(where) {
+      loop.hold(where);
+      if (lastStamp === null) showState();
+    },
+    shove(i, by) {
+      loop.shove(i, by);
+      if (lastStamp === null) {
+        loop.step(currentConditions());
+        showState();
+      }
+    },
   };
   function setDriving(on) {
     if (on === driving) return;
@@ -192,7 +227,10 @@ function createDriver(setting) {
     driveElement("on").textContent = on ? "Stop driving" : "Drive";
     byId("drive-readings").hidden = !on;
     if (on) methods.begin(time >= data.t_c ? 0 : time);
-    else { stopPlaying(); showTime(Math.min(time, data.t_c)); }
+    else {
+      stopPlaying();
+      showTime(Math.min(time, data.t_c));
+    }
   }
   driveElement("on").addEventListener("click", () => {
     setDriving(!driving);
@@ -204,7 +242,14 @@ function createDriver(setting) {
     loop.step(currentConditions());
     showState();
   });
-  driveElement("again").addEventListener("click", () => { if (driving) { methods.begin(0); if (lastStamp === null) startPlaying(); } else showTime(0); });
+  driveElement("again").addEventListener("click", () => {
+    if (!driving) {
+      showTime(0);
+      return;
+    }
+    methods.begin(0);
+    if (lastStamp === null) startPlaying();
+  });
   showLimits();
   return methods;
 }

@@ -46,11 +46,24 @@ function solid(figure) {
         context.beginPath();
         points.forEach((p, k) => (k ? context.lineTo(p[0], p[1]) : context.moveTo(p[0], p[1])));
         if (closed) context.closePath();
-        if (fill) { context.globalAlpha = fill; context.fillStyle = colours[name]; context.fill(); }
-        if (stroke) { context.globalAlpha = stroke; context.strokeStyle = colours[name]; context.stroke(); }
+        if (fill) {
+          context.globalAlpha = fill;
+          context.fillStyle = colours[name];
+          context.fill();
+        }
+        if (stroke) {
+          context.globalAlpha = stroke;
+          context.strokeStyle = colours[name];
+          context.stroke();
+        }
         context.globalAlpha = 1;
       },
-      text(p, text) { context.font = "12px system-ui, sans-serif"; context.textAlign = "center"; context.fillStyle = colours.ink; context.fillText(text, p[0], p[1]); },
+      text(p, text) {
+        context.font = "12px system-ui, sans-serif";
+        context.textAlign = "center";
+        context.fillStyle = colours.ink;
+        context.fillText(text, p[0], p[1]);
+      },
     };
   }
   function paperPen() {
@@ -146,11 +159,21 @@ function solid(figure) {
   function requestFrame() {
     if (isFrameRequested) return;
     isFrameRequested = true;
-    requestAnimationFrame(() => { isFrameRequested = false; paint(canvasPen(), ...lastShown); });
+    requestAnimationFrame(() => {
+      isFrameRequested = false;
+      paint(canvasPen(), ...lastShown);
+    });
   }
-  const turnBy = (a, b) => { azimuth += a; elevation = Math.min(Math.max(elevation + b, -1.5), 1.5); requestFrame(); };
+  const turnBy = (a, b) => {
+    azimuth += a;
+    elevation = Math.min(Math.max(elevation + b, -1.5), 1.5);
+    requestFrame();
+  };
   let dragStart = null;
-  canvas.addEventListener("pointerdown", (event) => { dragStart = [event.clientX, event.clientY]; canvas.setPointerCapture(event.pointerId); });
+  canvas.addEventListener("pointerdown", (event) => {
+    dragStart = [event.clientX, event.clientY];
+    canvas.setPointerCapture(event.pointerId);
+  });
   canvas.addEventListener("pointermove", (event) => {
     if (!dragStart) return;
     turnBy((event.clientX - dragStart[0]) * 0.008, (event.clientY - dragStart[1]) * 0.008);
@@ -159,16 +182,29 @@ function solid(figure) {
   for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { dragStart = null; });
   canvas.addEventListener("keydown", (event) => {
     const angles = { ArrowLeft: [-0.08, 0], ArrowRight: [0.08, 0], ArrowUp: [0, 0.08], ArrowDown: [0, -0.08] }[event.key];
-    if (angles) { event.preventDefault(); turnBy(...angles); }
+    if (angles) {
+      event.preventDefault();
+      turnBy(...angles);
+    }
   });
   const paintOnPaper = () => paint(paperPen(), ...lastShown);
   window.addEventListener("beforeprint", paintOnPaper);
   const darkScheme = window.matchMedia("(prefers-color-scheme: dark)");
-  const onSchemeChange = () => { readColours(); requestFrame(); };
+  const onSchemeChange = () => {
+    readColours();
+    requestFrame();
+  };
   darkScheme.addEventListener("change", onSchemeChange);
   // The page builds its views again when its width changes, as it does for paper: then nobody says again that it is printed.
   const paperMedia = window.matchMedia("print");
-  const show = (t, run) => { lastShown = [t, run]; requestFrame(); if (paperMedia.matches) paintOnPaper(); };
-  show.end = () => { window.removeEventListener("beforeprint", paintOnPaper); darkScheme.removeEventListener("change", onSchemeChange); };
+  const show = (t, run) => {
+    lastShown = [t, run];
+    requestFrame();
+    if (paperMedia.matches) paintOnPaper();
+  };
+  show.end = () => {
+    window.removeEventListener("beforeprint", paintOnPaper);
+    darkScheme.removeEventListener("change", onSchemeChange);
+  };
   return show;
 }

@@ -72,7 +72,11 @@ function strips(figure) {
       const values = run.trace.map((r) => [row.of(r)].flat());
       if (row.driven && row.from === undefined) {
         const largestValue = Math.max(1e-9, ...values.flat().map(Math.abs));
-        if (largestValue > to || largestValue < to / 4) { [from, to] = [-1.15 * largestValue, 1.15 * largestValue]; scaleTexts.replaceChildren(); drawScale(); }
+        if (largestValue > to || largestValue < to / 4) {
+          [from, to] = [-1.15 * largestValue, 1.15 * largestValue];
+          scaleTexts.replaceChildren();
+          drawScale();
+        }
       }
       const lineCount = values.length ? values[0].length : 0;
       while (lines.length < lineCount) lines.push(addSvg(group, "polyline", { class: `trace of${lines.length % 4}` }));

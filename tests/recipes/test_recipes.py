@@ -244,7 +244,7 @@ def _design_adaptive(""",
             )
         ],
         "stt_codegen/lemmas/emitted/functions.py": [('{"refined": SPLINE, ', '{"refined": SPLINE, "shapely": SPLINE, ')],
-        "stt_codegen/report/tube_readings.py": [
+        "stt_codegen/report/loop_analysis.py": [
             (
                 '    "adaptive": for_any_design(',
                 '    "shapely": for_any_design(RefinedDesign, _read_splines),\n    "adaptive": for_any_design(',
