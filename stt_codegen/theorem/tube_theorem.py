@@ -47,14 +47,14 @@ def coq_half_spaces(half_spaces: Iterable[HalfSpace]) -> str:
 
 
 def coq_shape(unsafe: Shape) -> str:
-    """Return an unsafe set as proof/Sets.v has it: an extent alone is `shape_of_box`, all other sets are a `Shape`."""
+    """Return an unsafe set as proof/Sets.v has it: a box alone is `shape_of_box`, all other sets are a `Shape`."""
     if is_box(unsafe):
-        return f"(shape_of_box {coq_box(unsafe.extent)})"
+        return f"(shape_of_box {coq_box(unsafe.box_about_points)})"
     core = f"(Hull {coq_points(unsafe.points)})"
     if unsafe.half_spaces:
         core = f"(Cut {coq_box(unsafe.core_box)} {coq_half_spaces(unsafe.half_spaces)})"
     ball_axes = "; ".join(map(str, unsafe.axes if unsafe.radius else ()))
-    return f"(Shape {core} {coq_box(unsafe.extent)} [{ball_axes}]%nat {coq_rational(unsafe.radius)})"
+    return f"(Shape {core} {coq_box(unsafe.box_about_points)} [{ball_axes}]%nat {coq_rational(unsafe.radius)})"
 
 
 def coq_search(facts: Facts) -> str:

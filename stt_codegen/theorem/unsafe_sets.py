@@ -27,13 +27,14 @@ class Shape:
     """An unsafe set: a core, plus a box about each of its points, plus a ball in the set's dimensions.
 
     The core is the hull of `points`; without points it is `core_box`, cut by `half_spaces`. axes: the dimensions that the set
-    bounds, from 0. In all other dimensions the core is 0, and `extent`, the box about each point, is the whole state space.
+    bounds, from 0. In all other dimensions the core is 0. `box_about_points` is the box about each point of the core, grown by
+    the body; in dimensions that the set does not bound it is the state space, grown by the body.
     """
 
     points: tuple[Point, ...]
     core_box: Edges
     half_spaces: tuple[HalfSpace, ...]
-    extent: Edges
+    box_about_points: Edges
     axes: tuple[int, ...]
     radius: Fraction = Fraction(0)
 
@@ -96,11 +97,14 @@ def _read_shape(table: dict[str, Any], names: list[str], space: Edges, body: Poi
     axes_zero = [0] * len(axes)
     lower = in_all_dimensions(table.get("lower", axes_zero), space[0])
     upper = in_all_dimensions(table.get("upper", axes_zero), space[1])
-    extent = tuple(a - h for a, h in zip(lower, body, strict=True)), tuple(b + h for b, h in zip(upper, body, strict=True))
+    box_about_points = (
+        tuple(a - h for a, h in zip(lower, body, strict=True)),
+        tuple(b + h for b, h in zip(upper, body, strict=True)),
+    )
     if "normals" in table:
         core_box = in_all_dimensions([space[0][i] for i in axes]), in_all_dimensions([space[1][i] for i in axes])
         half_spaces = tuple(zip(map(in_all_dimensions, table["normals"]), _point(table["offsets"]), strict=True))
-        return Shape(points=(), core_box=core_box, half_spaces=half_spaces, extent=extent, axes=tuple(axes))
+        return Shape(points=(), core_box=core_box, half_spaces=half_spaces, box_about_points=box_about_points, axes=tuple(axes))
     if not {"lower", "vertices", "segment", "centre"} & table.keys():
         raise checker.Unusable("the task has an unsafe set of a form that is not known here")
     core_points = table.get("vertices") or table.get("segment") or ([table["centre"]] if "centre" in table else [])
@@ -108,14 +112,14 @@ def _read_shape(table: dict[str, Any], names: list[str], space: Edges, body: Poi
         points=tuple(map(in_all_dimensions, core_points)),
         core_box=(zero, zero),
         half_spaces=(),
-        extent=extent,
+        box_about_points=box_about_points,
         axes=tuple(axes),
         radius=Fraction(table.get("radius", 0)),
     )
 
 
 def is_box(shape: Shape) -> bool:
-    """Whether the set is its extent, with no core and no ball."""
+    """Whether the set is `box_about_points` alone, with no core and no ball."""
     return not shape.radius and not shape.points and not shape.half_spaces
 
 
@@ -124,7 +128,7 @@ def usable_normals(shape: Shape, hints: Any) -> tuple[Normal, ...]:
 
     Without half-spaces, normals along an axis are left out: Coq tries these by itself.
     """
-    n = len(shape.extent[0])
+    n = len(shape.box_about_points[0])
     hinted = [tuple(hint[-1]) for hint in hints or [] if isinstance(hint, list) and hint and isinstance(hint[-1], list)]
     integer_normals = [v for v in dict.fromkeys(hinted) if len(v) == n and all(type(c) is int for c in v)]
     return tuple((v, half_space_multipliers(shape, v)) for v in integer_normals if shape.half_spaces or sum(map(bool, v)) > 1)

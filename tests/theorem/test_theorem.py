@@ -154,7 +154,7 @@ def test_sets_have_the_same_support_as_those_of_the_checker() -> None:
         assert (shape.radius, *(shape.axes if radius else ())) == (radius, *(axes if radius else ()))
         for normal in itertools.product((-3, -1, 0, 2), repeat=3):
             checker_support = max(map(partial(dot, normal), points)) + dot(map(abs, normal), half)
-            support = dot(normal, [shape.extent[c > 0][i] for i, c in enumerate(normal)])
+            support = dot(normal, [shape.box_about_points[c > 0][i] for i, c in enumerate(normal)])
             if shape.half_spaces:
                 shares = half_space_multipliers(shape, normal)
                 rest = [c - dot(shares, [face[i] for face, _ in shape.half_spaces]) for i, c in enumerate(normal)]
