@@ -3,6 +3,7 @@
 Every gain is a multiple of `Gains.proportions`, |k| by component. The search for candidates runs in doubles; every returned gain
 is proved (sampling/periods.py). E is a bound on |eps|, and q(E) = E cosh(E/2)^2. The design and `control.gain = "auto"` choose by
 `choose_proved_gain`; reports show the ranges.
+Long because all three searches share the candidates and the proof of a range.
 """
 
 from __future__ import annotations
