@@ -8,8 +8,7 @@ so does the E that they need. For one tau there is therefore a smallest E in all
 smallest and is raised until its own conditions hold. Where a component has no such E, there is none at all.
 
 Here tau is the age of the oldest sample that may still act, in seconds. The code calls E `eps_bound`; in
-fractions it uses rho = e^E. The file is long because the same conditions are searched in doubles, and proved in balls and in
-fractions.
+fractions it uses rho = e^E. Long because the same conditions are searched in doubles, and proved in balls and in fractions.
 """
 
 from __future__ import annotations
