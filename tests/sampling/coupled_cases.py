@@ -80,7 +80,7 @@ def windows_by_hand(design: RefinedDesign, i: int) -> list[WindowByHand]:
 
 
 def inputs_by_hand(facts: Any, sampling: SampledFacts) -> list[list[float]]:
-    """Return the bound U on |u| by window and component, by the definition of `most_check` in proof/Period.v."""
+    """Return the bound U on |u| by window and component, by the definition of `input_max_check` in proof/Period.v."""
     columns = []
     for i, rho in enumerate(map(float, sampling.rho)):
         column = []
