@@ -39,13 +39,11 @@ def prose_of(text: str) -> Iterator[tuple[int, str]]:
 
 def docstrings(tree: ast.AST) -> Iterator[ast.Constant]:
     for node in ast.walk(tree):
-        if (
-            isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
-            and ast.get_docstring(node) is not None
-        ):
-            statement = node.body[0]
-            assert isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
-            yield statement.value
+        match node:
+            case ast.Module(body=[first, *_]) | ast.ClassDef(body=[first, *_]) | ast.FunctionDef(body=[first, *_]):
+                match first:
+                    case ast.Expr(value=ast.Constant(value=str()) as docstring):
+                        yield docstring
 
 
 def words_of(text: str) -> Iterator[str]:
