@@ -47,7 +47,8 @@ class Arena:
     for that of the fastest dimension; relative_speeds: max_speeds over max_speed, at most 1. max_acceleration: (n,), None for no
     bound. allowance, difference_allowance: what rounding may change an edge by, and a difference of control points (`Lattice`).
     length_unit, time_unit: factors that turn lengths and times into the task's. origin: the place of 0 in the task. order: of the
-    plant; for order 2 the search minimises the acceleration of edges. seam: as of a design.
+    plant; for order 2 the search minimises the acceleration of edges. seam: the first
+    segment of the part that repeats, None where none does.
     """
 
     names: tuple[str, ...]
@@ -313,7 +314,7 @@ def _cut_away(arena: Arena, box: Array, j: int) -> Array:
 def _cut_beyond_face(arena: Arena, box: Array, gap: float, x: int) -> tuple[Array, int]:
     """Return the box cut back to keep the clearance beyond face x, to which it has a gap, and the dimension that is cut.
 
-    That is the component of the normal in which x(0) is farthest from the edge that moves, for what the cut takes there.
+    It is the one in which x(0) is farthest from the moved edge after the cut, among those in which the normal is not 0.
     """
     missing = (arena.clearance - gap) * (1 + 1e-12)
     normal: list[float] = arena.oblique_faces.normal[x].tolist()

@@ -1,4 +1,4 @@
-"""Hints for Coq's proof of P9, which it need not believe: bounds on |u| and on the logarithm in it, and a number of cells.
+"""Hints for Coq's proof of P9, which Coq checks before it uses them: bounds on |u|, on the logarithm in it, and a number of cells.
 
 theorem/tube_theorem.py and theorem/controller_theorem.py write them. The formulas are those of sampling/sampling_conditions.py.
 proof/Period.v differs from them in two places. It cuts the range of a width into cells, in place of a lemma on what lies between
@@ -156,7 +156,9 @@ def smallest_cell_count(facts: Facts, sampling: SampledFacts, hints: list[list[H
 
 
 def is_period_proved(facts: Facts, sampling: SampledFacts) -> bool:
-    """Return whether `period_check` of proof/Period.v accepts these numbers, decided with a margin."""
+    """Return whether the conditions of every window hold that `period_check` of proof/Period.v asks for, decided with a margin.
+
+    Not decided here is what `period_check` asks besides: of the clamp, the start share, rho and the age of a sample."""
     if any((1 - e) / 2 * (1 + rho) > 1 for e, rho in zip(facts.e_max, sampling.rho, strict=True)):
         return False
     conditions = CoqConditions.of(facts, sampling, input_hints(facts, sampling))

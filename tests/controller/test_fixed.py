@@ -50,7 +50,7 @@ SHAPES = ("omni_s2", "courier", "rover", *EXAMPLES, "base")
 
 @cache
 def limited_controller(name: str) -> EmittedController:
-    """Return the controller in integers of an example task, with a u_max where the task has none."""
+    """Return the controller of an example task as `limited` changes it: in integers, with what integers need."""
     return build_once(limited(load_task(ROOT / "tasks" / f"{name}.toml")))
 
 

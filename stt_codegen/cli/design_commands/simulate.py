@@ -43,7 +43,10 @@ def simulate(
     ] = 0.0,
     clock: Annotated[
         str,
-        typer.Option(help="of sets that move: stated, early, late (as timing and start_delay allow), or worst, at every moment"),
+        typer.Option(
+            help="error of the clock by which sets move: stated (none), early (behind by timing), late (ahead by timing and "
+            "start_delay), worst (nine from early to late, at every moment)"
+        ),
     ] = "stated",
     start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,
@@ -72,7 +75,7 @@ def simulate(
         controller = build(task, design, scalar, uncertified)
         report = run_loop(controller, request, out)
     for name in enlarged_sets(controller.task):
-        say(f"note: {controller.task.name}: {name}, grown by the body, is judged by a set that holds it; a collision may be none")
+        say(f"note: {controller.task.name}: {name} is judged by a larger set, so a reported collision may not have happened")
     if json:
         print_json(report.document())
     else:

@@ -30,8 +30,8 @@ class SplineTube:
 
     points: control points, shape (2, n, K + 3) [edge, dimension, point]. paces: by dimension (n,) the most that an edge moves in
     one segment's time, or for order 2 the most that two such moves differ. bounds, width: what the tube was designed within.
-    mission_obstacles: what a mission asks of it there, beside the arena's obstacles. seam: as of a design. centre_route: the
-    route of its centre.
+    mission_obstacles: what a mission asks of it there, beside the arena's obstacles. seam: the first segment of the part that
+    repeats, None where none does. centre_route: the route of its centre.
     """
 
     points: Array
@@ -97,7 +97,9 @@ def slowest_tube(
 def _slowest_within(
     arena: Arena, start: Array, bounds: SegmentBounds, width: Array, solver_cache: SolverCache
 ) -> SplineTube | None:
-    """Return the slowest tube within these bounds: the dimensions that its couplings join together, mostly each alone."""
+    """Return the slowest tube within these bounds, None where a group of dimensions has none.
+
+    Dimensions that a coupling joins are solved together; most are solved alone."""
     problem = TubeProblem(arena, start, bounds, width)
     points: Array = np.empty((2, arena.dimension, len(bounds.edges) + 3))
     paces: Array = np.empty(arena.dimension)

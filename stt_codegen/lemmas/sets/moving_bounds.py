@@ -55,15 +55,17 @@ def _prove_bounds() -> Outcome:
             )
             for n in normals
         ]
-        begin, clock_lead, growth_factors = (
+        begin, clock_lead, growth_rates = (
             abs(random_number()),
             abs(random_number()),
             tuple(abs(random_number()) for _ in members),
         )
-        places = tuple((tuple(random_number() for _ in range(N)), tuple(random_number() for _ in range(N))) for _ in range(2))
-        leg = Leg(begin, begin + abs(random_number()) + Fraction(1, 3), places)
+        displacements = tuple(
+            (tuple(random_number() for _ in range(N)), tuple(random_number() for _ in range(N))) for _ in range(2)
+        )
+        leg = Leg(begin, begin + abs(random_number()) + Fraction(1, 3), displacements)
         course = Course(
-            knots=((Fraction(0), places[0][0]),),
+            knots=((Fraction(0), displacements[0][0]),),
             active_interval=None,
             clock_lag=Fraction(0),
             clock_lead=clock_lead,
@@ -71,7 +73,7 @@ def _prove_bounds() -> Outcome:
             t_c=leg.end,
         )
         time, length = abs(random_number()) + 1, Fraction(1, 1 << 20)
-        lines = moving_slack.MovingBounds.of(constraints.Avoidance("", tuple(members), course, growth_factors), leg, time, length)
+        lines = moving_slack.MovingBounds.of(constraints.Avoidance("", tuple(members), course, growth_rates), leg, time, length)
         t = begin + (leg.end - begin) * Fraction(draw.randint(0, 64), 64)
         expected = [
             [
@@ -81,7 +83,7 @@ def _prove_bounds() -> Outcome:
                 + sum(c * displacement[i] for i, _, c in constraint.terms)
                 for displacement in leg.displacements_at(t)
             ]
-            for constraint, g in zip(members, growth_factors, strict=True)
+            for constraint, g in zip(members, growth_rates, strict=True)
         ]
         if [[v * length for v in row] for row in lines.at(t / time)] != expected:
             failures.append(f"{leg} at {t}")
