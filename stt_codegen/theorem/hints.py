@@ -1,4 +1,4 @@
-"""Hints for Coq's proof of P9, which Coq checks before it uses them: bounds on |u|, on the logarithm in it, and a number of cells.
+"""Hints for Coq's proof of P9, which Coq checks before it uses them: bounds on |u| and its logarithm, and a number of cells.
 
 theorem/tube_theorem.py and theorem/controller_theorem.py write them. The formulas are those of sampling/sampling_conditions.py.
 proof/Period.v differs from them in two places. It cuts the range of a width into cells, in place of a lemma on what lies between

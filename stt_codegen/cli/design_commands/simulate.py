@@ -43,10 +43,7 @@ def simulate(
     ] = 0.0,
     clock: Annotated[
         str,
-        typer.Option(
-            help="error of the clock by which sets move: stated (none), early (behind by timing), late (ahead by timing and "
-            "start_delay), worst (nine from early to late, at every moment)"
-        ),
+        typer.Option(help="error of the sets' clock: stated (none), early (behind by timing), late (ahead), or worst of nine"),
     ] = "stated",
     start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,

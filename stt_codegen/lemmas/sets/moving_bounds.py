@@ -47,6 +47,9 @@ def _prove_bounds() -> Outcome:
     def random_number() -> Fraction:
         return Fraction(draw.randint(-900, 900), draw.choice((1, 7, 100, 1024)))
 
+    def random_vector() -> tuple[Fraction, ...]:
+        return tuple(random_number() for _ in range(N))
+
     for _ in range(COURSE_COUNT):
         normals = [tuple(draw.choice((-5, -1, 0, 2, 3)) for _ in range(N)) for _ in range(3)]
         members = [
@@ -60,9 +63,7 @@ def _prove_bounds() -> Outcome:
             abs(random_number()),
             tuple(abs(random_number()) for _ in members),
         )
-        displacements = tuple(
-            (tuple(random_number() for _ in range(N)), tuple(random_number() for _ in range(N))) for _ in range(2)
-        )
+        displacements = tuple((random_vector(), random_vector()) for _ in range(2))
         leg = Leg(begin, begin + abs(random_number()) + Fraction(1, 3), displacements)
         course = Course(
             knots=((Fraction(0), displacements[0][0]),),
