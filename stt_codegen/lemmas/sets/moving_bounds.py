@@ -33,6 +33,14 @@ def _prove_parts() -> Outcome:
     return prove_identities({"the part": sp.expand(value(list(part), r) - value(c, a + (b - a) * r))}, METHOD)
 
 
+def _random_number(draw: random.Random) -> Fraction:
+    return Fraction(draw.randint(-900, 900), draw.choice((1, 7, 100, 1024)))
+
+
+def _random_vector(draw: random.Random) -> tuple[Fraction, ...]:
+    return tuple(_random_number(draw) for _ in range(N))
+
+
 def _prove_bounds() -> Outcome:
     """Compare the bound of a constraint on a leg with h(n) + clearance + n.d(t) + g(n) growth(t) at random times.
 
@@ -44,36 +52,32 @@ def _prove_bounds() -> Outcome:
     product_between = sum(c * (a + share * (b - a)) for c, a, b in zip(normal, u, v, strict=True))
     products_at_ends = [sum(c * a for c, a in zip(normal, end, strict=True)) for end in (u, v)]
 
-    def random_number() -> Fraction:
-        return Fraction(draw.randint(-900, 900), draw.choice((1, 7, 100, 1024)))
-
-    def random_vector() -> tuple[Fraction, ...]:
-        return tuple(random_number() for _ in range(N))
-
     for _ in range(COURSE_COUNT):
         normals = [tuple(draw.choice((-5, -1, 0, 2, 3)) for _ in range(N)) for _ in range(3)]
         members = [
             constraints.Constraint(
-                tuple((i, 0, c) for i, c in enumerate((*n[:-1], n[-1] or 1)) if c), random_number(), abs(random_number())
+                tuple((i, 0, c) for i, c in enumerate((*n[:-1], n[-1] or 1)) if c),
+                _random_number(draw),
+                abs(_random_number(draw)),
             )
             for n in normals
         ]
         begin, clock_lead, growth_rates = (
-            abs(random_number()),
-            abs(random_number()),
-            tuple(abs(random_number()) for _ in members),
+            abs(_random_number(draw)),
+            abs(_random_number(draw)),
+            tuple(abs(_random_number(draw)) for _ in members),
         )
-        displacements = tuple((random_vector(), random_vector()) for _ in range(2))
-        leg = Leg(begin, begin + abs(random_number()) + Fraction(1, 3), displacements)
+        displacements = tuple((_random_vector(draw), _random_vector(draw)) for _ in range(2))
+        leg = Leg(begin, begin + abs(_random_number(draw)) + Fraction(1, 3), displacements)
         course = Course(
             knots=((Fraction(0), displacements[0][0]),),
             active_interval=None,
             clock_lag=Fraction(0),
             clock_lead=clock_lead,
-            spread=abs(random_number()),
+            spread=abs(_random_number(draw)),
             t_c=leg.end,
         )
-        time, length = abs(random_number()) + 1, Fraction(1, 1 << 20)
+        time, length = abs(_random_number(draw)) + 1, Fraction(1, 1 << 20)
         lines = moving_slack.MovingBounds.of(constraints.Avoidance("", tuple(members), course, growth_rates), leg, time, length)
         t = begin + (leg.end - begin) * Fraction(draw.randint(0, 64), 64)
         expected = [
