@@ -28,7 +28,8 @@ def repository_files() -> tuple[str, ...]:
     """Return the paths of all files; where the tree has no git, those of its folders."""
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.split()
     folders = (*CODE, "templates", "tasks", "proof", "docs", "generated", "locks", ".ci")
-    return tuple(listed or (str(p.relative_to(ROOT)) for f in folders for p in (ROOT / f).rglob("*") if p.is_file()))
+    paths = [p for folder in folders for p in (ROOT / folder).rglob("*")] + [*ROOT.glob("*")]
+    return tuple(listed or (str(p.relative_to(ROOT)) for p in paths if p.is_file()))
 
 
 def prose_of(text: str) -> Iterator[tuple[int, str]]:
