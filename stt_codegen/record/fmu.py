@@ -207,9 +207,7 @@ def _controller_variables(task: Task, proved_period: str | None, has_phases: boo
         phase = "entry of the mission that is being served, from 1; 0: done"
         variables.variables.append(Variable("phase", "output", phase, is_integer=True, follows_inputs=tube_waits))
     if proved_period is not None:
-        condition = (
-            "true while x was set at least once per period_proved, and every u was read at the time at which its x was set"
-        )
+        condition = "states were no farther apart than period_proved, and every u was read where its state was set"
         variables.variables.append(Variable("period_kept", "output", condition, is_boolean=True))
     return variables
 
@@ -218,11 +216,9 @@ def _state_members(outside: str, has_proved_period: bool) -> tuple[str, ...]:
     """Return declarations in C of what the unit remembers between steps. outside: the task's control.outside."""
     members = {"hold": ["double kept[2], next[2];"], "stop": ["double kept[1], next[1];"]}.get(outside, [])
     if has_proved_period:
-        members += [
-            "double sample_age; /* seconds since x was set */",
-            "double input_age; /* seconds since the x was set from which the last u was computed */",
-            "double delay; /* seconds from the setting of that x to the reading of u */",
-        ]
+        members.append(
+            "double sample_age, input_age, delay; /* seconds since x was set, of the x of the last u, at the reading of u */"
+        )
     return tuple(members)
 
 
