@@ -230,7 +230,7 @@ def test_the_node_reports_the_status_of_its_controller(scripted, outside: str) -
     scripted.status = INSIDE
     assert drive.measured(0.003, x).level == 1  # the proof no longer covers it
     drive.stop("asked to")
-    assert drive.watch(0.004).message == "stopped: asked to; start anew"
+    assert drive.watch(0.004).message.startswith("stopped: asked to; start ")
 
 
 def test_with_u_an_acceleration_a_stop_is_a_brake(scripted) -> None:
@@ -389,7 +389,8 @@ def test_the_node_arrives_and_stops_with_ros(name: str, rate: int, clock: int | 
     if clock:
         assert report["leap"]["message"].startswith("stopped: the clock jumped by -")
     else:
-        assert (report["stop"], report["stopped"]["message"]) == ("stopped", "stopped: asked to; start anew")
+        assert report["stop"] == "stopped"
+        assert report["stopped"]["message"].startswith("stopped: asked to; start ")
         assert max(map(abs, report["v"])) < 1e-2  # it is at rest: a plant of order 2 was braked
     assert report["ended"] == {"u": zeros, "code": 0}
 
