@@ -238,7 +238,7 @@ def _build_control(task: Task, parts: AdaptiveParts) -> Function:
         value = ValueBetweenEdges(low, high, block.let("x_i", Load("x", i)))
         u_max = law.write_u_max(block, i)
         distances = write_clamped_distances(block, law.write_clamp_share(block, i), value, law.write_signed_gain(block, i))
-        loop.update(is_outside, block.select("outside_any", write_is_inside(block, distances), is_outside, TRUE))
+        loop.update(is_outside, block.select("outside_next", write_is_inside(block, distances), is_outside, TRUE))
         block.store("u", i, write_input(block, law, distances, u_max))
     block.leave(Select(is_outside, OUTSIDE, OK))
     doc = (

@@ -30,7 +30,7 @@ from stt_codegen.controller.integers.integer_statements import (
     write_margin_of,
     write_width,
 )
-from stt_codegen.controller.kernels import write_first_index
+from stt_codegen.controller.kernels import write_edge_indices
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import UPPER
 from stt_codegen.program import (
@@ -110,10 +110,8 @@ class IntegerController:
         """Write statements for the outputs of the edge kernel for component i: of the lower edge, then of the upper one.
 
         Each is (edge,), or (edge, rate) for order 2."""
-        lower_index = write_first_index(block, row, i)
-        upper_index = block.op("at_upper", "iadd", lower_index, integer(UPPER))
         names = [tuple(f"{side}_{output}" for output in self.edge_kernel.output_names) for side in ("lower", "upper")]
-        indices_and_names = zip((lower_index, upper_index), names, strict=True)
+        indices_and_names = zip(write_edge_indices(block, row, i), names, strict=True)
         return tuple(block.call(self.edge_kernel, index, *weights, names=outputs) for index, outputs in indices_and_names)
 
     def write_distances(self, block: Block, i: Var, edges: tuple[tuple[Var, ...], ...]) -> StateDistances:

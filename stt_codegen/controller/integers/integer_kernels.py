@@ -30,8 +30,7 @@ from functools import cache
 from itertools import pairwise
 
 from stt_codegen.controller.integers.curves import SLOPE_BITS
-from stt_codegen.controller.kernels import write_control_points
-from stt_codegen.designs import LOWER, RefinedDesign
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.program import INT, TICK, Block, Const, Kernel, Load, Operand, Var, integer
 
@@ -199,7 +198,10 @@ def _write_steps(b: Block, n: int, first_index: Var) -> tuple[Var, tuple[Var, ..
     """Write statements for the second of an edge's four control points, and for the three steps between them.
 
     first_index: table index of the first control point, for n dimensions."""
-    control_points = write_control_points(b, n, first_index, side=LOWER, label="at", number_type=INT)
+    control_points = []
+    for j in range(4):
+        index = b.op(f"at_{j}", "iadd", first_index, integer(2 * n * j)) if j else first_index
+        control_points.append(b.let(f"at_q{j}", Load("coefficients", index, INT)))
     differences = [b.op(f"apart_{k}", "isub", after, before) for k, (before, after) in enumerate(pairwise(control_points))]
     return control_points[1], tuple(b.op(f"d{k}", "short", v) for k, v in enumerate(differences))
 

@@ -670,14 +670,14 @@ void crane_tube(uint32_t tick, int32_t lower[CRANE_N], int32_t upper[CRANE_N])
     crane_rates(s, &r0, &r1, &r2);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        crane_edge(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
         lower[i] = lower_edge;
         upper[i] = upper_edge;
     }
@@ -699,14 +699,14 @@ void crane_filtered_tube(uint32_t tick, int32_t lower[CRANE_N], int32_t upper[CR
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t filter_i = CRANE_READ_16(crane_filters[i]);
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        crane_edge(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
         const int32_t lower_filtered = crane_upper(lower_edge, filter_i);
         const int32_t lower_z = lower_rate + lower_filtered;
         lower[i] = lower_z;
@@ -733,14 +733,14 @@ crane_status crane_control(uint32_t tick, const int32_t x[CRANE_N], const int32_
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        crane_edge(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
         const int32_t x_all = x[i];
         const bool x_near_over = (-67108864) < x_all;
         const int32_t x_near = x_near_over ? x_all : (-67108864);
@@ -835,14 +835,14 @@ int32_t crane_margin(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CR
     int32_t margin = 32768;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        crane_edge(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
         const int32_t x_all = x[i];
         const bool x_near_over = (-67108864) < x_all;
         const int32_t x_near = x_near_over ? x_all : (-67108864);
@@ -934,14 +934,14 @@ void crane_margins(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CRAN
     crane_rates(s, &r0, &r1, &r2);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        crane_edge(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
         const int32_t x_all = x[i];
         const bool x_near_over = (-67108864) < x_all;
         const int32_t x_near = x_near_over ? x_all : (-67108864);
@@ -1032,17 +1032,17 @@ bool crane_covered(const int32_t x[CRANE_N], const int32_t v[CRANE_N])
         const int32_t filter_i = CRANE_READ_16(crane_filters[i]);
         const int32_t filtered = crane_upper(x_i, filter_i);
         const int32_t z = v_i + filtered;
-        const int32_t start_lower_i = CRANE_READ_16(crane_start_lower[i]);
-        const int32_t start_upper_i = CRANE_READ_32(crane_start_upper[i]);
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const int32_t filtered_start_lower_i = CRANE_READ_16(crane_filtered_start_lower[i]);
-        const int32_t filtered_start_upper_i = CRANE_READ_32(crane_filtered_start_upper[i]);
-        const bool z_after = filtered_start_lower_i < z;
-        const bool z_before = z < filtered_start_upper_i;
-        const bool z_between = z_after && z_before;
-        const bool inside = x_i_between && z_between;
+        const int32_t x_lower = CRANE_READ_16(crane_start_lower[i]);
+        const int32_t x_upper = CRANE_READ_32(crane_start_upper[i]);
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const int32_t z_lower = CRANE_READ_16(crane_filtered_start_lower[i]);
+        const int32_t z_upper = CRANE_READ_32(crane_filtered_start_upper[i]);
+        const bool z_above = z_lower < z;
+        const bool z_below = z < z_upper;
+        const bool z_inside = z_above && z_below;
+        const bool inside = x_inside && z_inside;
         const bool covered_next = inside ? covered : false;
         covered = covered_next;
     }

@@ -573,10 +573,10 @@ def tube(tick):
     r0, r1, r2 = _rates(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge, lower_rate = _edge(at, w0, w1, w2, r0, r1, r2)
-        upper_edge, upper_rate = _edge(at_upper, w0, w1, w2, r0, r1, r2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge, lower_rate = _edge(lower_at, w0, w1, w2, r0, r1, r2)
+        upper_edge, upper_rate = _edge(upper_at, w0, w1, w2, r0, r1, r2)
         lower[i] = lower_edge
         upper[i] = upper_edge
     return tuple(lower), tuple(upper)
@@ -596,10 +596,10 @@ def filtered_tube(tick):
     for i in range(2):
         filter_i = FILTERS[i]
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge, lower_rate = _edge(at, w0, w1, w2, r0, r1, r2)
-        upper_edge, upper_rate = _edge(at_upper, w0, w1, w2, r0, r1, r2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge, lower_rate = _edge(lower_at, w0, w1, w2, r0, r1, r2)
+        upper_edge, upper_rate = _edge(upper_at, w0, w1, w2, r0, r1, r2)
         lower_filtered = lower_edge * filter_i >> 16
         lower_z = lower_rate + lower_filtered
         lower[i] = lower_z
@@ -629,10 +629,10 @@ def control(tick, x, v):
     outside = False
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge, lower_rate = _edge(at, w0, w1, w2, r0, r1, r2)
-        upper_edge, upper_rate = _edge(at_upper, w0, w1, w2, r0, r1, r2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge, lower_rate = _edge(lower_at, w0, w1, w2, r0, r1, r2)
+        upper_edge, upper_rate = _edge(upper_at, w0, w1, w2, r0, r1, r2)
         x_all = x[i]
         x_near_over = -67108864 < x_all
         x_near = x_all if x_near_over else -67108864
@@ -725,10 +725,10 @@ def margin(tick, x, v):
     margin = 32768
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge, lower_rate = _edge(at, w0, w1, w2, r0, r1, r2)
-        upper_edge, upper_rate = _edge(at_upper, w0, w1, w2, r0, r1, r2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge, lower_rate = _edge(lower_at, w0, w1, w2, r0, r1, r2)
+        upper_edge, upper_rate = _edge(upper_at, w0, w1, w2, r0, r1, r2)
         x_all = x[i]
         x_near_over = -67108864 < x_all
         x_near = x_all if x_near_over else -67108864
@@ -815,10 +815,10 @@ def margins(tick, x, v):
     r0, r1, r2 = _rates(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge, lower_rate = _edge(at, w0, w1, w2, r0, r1, r2)
-        upper_edge, upper_rate = _edge(at_upper, w0, w1, w2, r0, r1, r2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge, lower_rate = _edge(lower_at, w0, w1, w2, r0, r1, r2)
+        upper_edge, upper_rate = _edge(upper_at, w0, w1, w2, r0, r1, r2)
         x_all = x[i]
         x_near_over = -67108864 < x_all
         x_near = x_all if x_near_over else -67108864
@@ -917,17 +917,17 @@ def covered(x, v):
         filter_i = FILTERS[i]
         filtered = x_i * filter_i >> 16
         z = v_i + filtered
-        start_lower_i = START_LOWER[i]
-        start_upper_i = START_UPPER[i]
-        x_i_after = start_lower_i < x_i
-        x_i_before = x_i < start_upper_i
-        x_i_between = x_i_after and x_i_before
-        filtered_start_lower_i = FILTERED_START_LOWER[i]
-        filtered_start_upper_i = FILTERED_START_UPPER[i]
-        z_after = filtered_start_lower_i < z
-        z_before = z < filtered_start_upper_i
-        z_between = z_after and z_before
-        inside = x_i_between and z_between
+        x_lower = START_LOWER[i]
+        x_upper = START_UPPER[i]
+        x_above = x_lower < x_i
+        x_below = x_i < x_upper
+        x_inside = x_above and x_below
+        z_lower = FILTERED_START_LOWER[i]
+        z_upper = FILTERED_START_UPPER[i]
+        z_above = z_lower < z
+        z_below = z < z_upper
+        z_inside = z_above and z_below
+        inside = x_inside and z_inside
         covered_next = covered if inside else False
         covered = covered_next
     return covered

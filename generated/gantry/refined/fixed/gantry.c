@@ -607,10 +607,10 @@ void gantry_tube(uint32_t tick, int32_t lower[GANTRY_N], int32_t upper[GANTRY_N]
     gantry_weights(s, &w0, &w1, &w2);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
-        const int32_t lower_edge = gantry_edge(at, w0, w1, w2);
-        const int32_t upper_edge = gantry_edge(at_upper, w0, w1, w2);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const int32_t lower_edge = gantry_edge(lower_at, w0, w1, w2);
+        const int32_t upper_edge = gantry_edge(upper_at, w0, w1, w2);
         lower[i] = lower_edge;
         upper[i] = upper_edge;
     }
@@ -628,10 +628,10 @@ gantry_status gantry_control(uint32_t tick, const int32_t x[GANTRY_N], int32_t u
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
-        const int32_t lower_edge = gantry_edge(at, w0, w1, w2);
-        const int32_t upper_edge = gantry_edge(at_upper, w0, w1, w2);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const int32_t lower_edge = gantry_edge(lower_at, w0, w1, w2);
+        const int32_t upper_edge = gantry_edge(upper_at, w0, w1, w2);
         const int32_t x_all = x[i];
         const bool x_near_over = (-268435456) < x_all;
         const int32_t x_near = x_near_over ? x_all : (-268435456);
@@ -706,10 +706,10 @@ int32_t gantry_margin(uint32_t tick, const int32_t x[GANTRY_N])
     int32_t margin = 32768;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
-        const int32_t lower_edge = gantry_edge(at, w0, w1, w2);
-        const int32_t upper_edge = gantry_edge(at_upper, w0, w1, w2);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const int32_t lower_edge = gantry_edge(lower_at, w0, w1, w2);
+        const int32_t upper_edge = gantry_edge(upper_at, w0, w1, w2);
         const int32_t x_all = x[i];
         const bool x_near_over = (-268435456) < x_all;
         const int32_t x_near = x_near_over ? x_all : (-268435456);
@@ -759,10 +759,10 @@ void gantry_margins(uint32_t tick, const int32_t x[GANTRY_N], int32_t margin[GAN
     gantry_weights(s, &w0, &w1, &w2);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
-        const int32_t lower_edge = gantry_edge(at, w0, w1, w2);
-        const int32_t upper_edge = gantry_edge(at_upper, w0, w1, w2);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const int32_t lower_edge = gantry_edge(lower_at, w0, w1, w2);
+        const int32_t upper_edge = gantry_edge(upper_at, w0, w1, w2);
         const int32_t x_all = x[i];
         const bool x_near_over = (-268435456) < x_all;
         const int32_t x_near = x_near_over ? x_all : (-268435456);
@@ -803,12 +803,12 @@ bool gantry_covered(const int32_t x[GANTRY_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t x_i = x[i];
-        const int32_t start_lower_i = GANTRY_READ_16(gantry_start_lower[i]);
-        const int32_t start_upper_i = GANTRY_READ_32(gantry_start_upper[i]);
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const int32_t x_lower = GANTRY_READ_16(gantry_start_lower[i]);
+        const int32_t x_upper = GANTRY_READ_32(gantry_start_upper[i]);
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;

@@ -518,10 +518,10 @@ def tube(tick):
     w0, w1, w2 = _weights(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge = _edge(at, w0, w1, w2)
-        upper_edge = _edge(at_upper, w0, w1, w2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge(lower_at, w0, w1, w2)
+        upper_edge = _edge(upper_at, w0, w1, w2)
         lower[i] = lower_edge
         upper[i] = upper_edge
     return tuple(lower), tuple(upper)
@@ -542,10 +542,10 @@ def control(tick, x):
     outside = False
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge = _edge(at, w0, w1, w2)
-        upper_edge = _edge(at_upper, w0, w1, w2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge(lower_at, w0, w1, w2)
+        upper_edge = _edge(upper_at, w0, w1, w2)
         x_all = x[i]
         x_near_over = -268435456 < x_all
         x_near = x_all if x_near_over else -268435456
@@ -619,10 +619,10 @@ def margin(tick, x):
     margin = 32768
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge = _edge(at, w0, w1, w2)
-        upper_edge = _edge(at_upper, w0, w1, w2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge(lower_at, w0, w1, w2)
+        upper_edge = _edge(upper_at, w0, w1, w2)
         x_all = x[i]
         x_near_over = -268435456 < x_all
         x_near = x_all if x_near_over else -268435456
@@ -669,10 +669,10 @@ def margins(tick, x):
     w0, w1, w2 = _weights(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge = _edge(at, w0, w1, w2)
-        upper_edge = _edge(at_upper, w0, w1, w2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge(lower_at, w0, w1, w2)
+        upper_edge = _edge(upper_at, w0, w1, w2)
         x_all = x[i]
         x_near_over = -268435456 < x_all
         x_near = x_all if x_near_over else -268435456
@@ -719,11 +719,11 @@ def covered(x):
     covered = True
     for i in range(2):
         x_i = x[i]
-        start_lower_i = START_LOWER[i]
-        start_upper_i = START_UPPER[i]
-        x_i_after = start_lower_i < x_i
-        x_i_before = x_i < start_upper_i
-        x_i_between = x_i_after and x_i_before
-        covered_next = covered if x_i_between else False
+        x_lower = START_LOWER[i]
+        x_upper = START_UPPER[i]
+        x_above = x_lower < x_i
+        x_below = x_i < x_upper
+        x_inside = x_above and x_below
+        covered_next = covered if x_inside else False
         covered = covered_next
     return covered

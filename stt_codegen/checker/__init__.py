@@ -1,0 +1,5 @@
+"""The stand-alone checker: it proves a certificate from task, C and header alone.
+
+`stt_checker/` beside this file is a package that imports nothing of stt_codegen; `python3 -I stt_codegen/checker` runs it, and a
+zip of both is `checker.pyz`. theorem/, tests and benchmarks import it from here.
+"""

@@ -1,0 +1,58 @@
+"""What every file of the checker uses: the two ways to say no, the numbers of a task, and rounding to a scalar."""
+
+import math
+from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+
+class Refused(Exception):
+    """A property, a claim, a hash or a token is wrong: the answer is no."""
+
+
+class Unusable(Exception):
+    """A file cannot be read, or is about something that is unknown here: there is no answer."""
+
+
+def require(holds: bool, problem: str) -> None:
+    """Raise `Refused` with the problem where a condition does not hold."""
+    if not holds:
+        raise Refused(problem)
+
+
+def rounded(value: Fraction, bits: int, toward: Callable[[Fraction], int] = round) -> Fraction:
+    """Return the nearest number with so many significant bits, ties to even; with `math.floor` the largest that is not above."""
+    if value == 0:
+        return value
+    exponent = value.numerator.bit_length() - value.denominator.bit_length() - bits
+    exponent += abs(value) >= Fraction(2) ** (exponent + bits)
+    return toward(value / Fraction(2) ** exponent) * Fraction(2) ** exponent
+
+
+def units_above(value: Fraction, unit: Fraction) -> int:
+    """Return the smallest whole number of units that is not below the value."""
+    return math.ceil(value / unit)
+
+
+def decimal(text: str) -> Decimal:
+    """Read a decimal of the task file without rounding it."""
+    value = Decimal(text)
+    if not (value.is_finite() and abs(value.adjusted()) < 400):
+        raise Unusable(f"the task has {text:.40}, which is out of range")
+    return value
+
+
+def number(value: Any) -> Fraction:
+    """Return a number of the task file."""
+    if isinstance(value, bool) or not isinstance(value, int | Decimal):
+        raise Unusable(f"the task has {value!r:.80} where a number is needed")
+    return Fraction(value)
+
+
+def numbers(value: Any, n: int) -> list[Fraction]:
+    """Return n numbers of the task file: a list of n, or one that is meant for all components."""
+    values = [number(v) for v in (value if isinstance(value, list) else [value] * n)]
+    if len(values) != n:
+        raise Unusable(f"the task has {len(values)} numbers where {n} are needed")
+    return values
