@@ -4,7 +4,7 @@ Large because the stand-alone checker, half of it, shares no code with the rest.
 """
 
 from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PeriodProof
-from stt_codegen.certify.claims import SlackClaim, claims_of, cuts_of
+from stt_codegen.certify.claims import SlackClaim, Stretch, claims_of, cuts_of
 from stt_codegen.certify.monitor import Cycle, Span, Time, holds
 from stt_codegen.certify.moving_slack import MovingBounds
 
@@ -17,6 +17,7 @@ __all__ = [
     "PeriodProof",
     "SlackClaim",
     "Span",
+    "Stretch",
     "Time",
     "adaptive",
     "checker",

@@ -3,3 +3,11 @@
 `stt_checker/` beside this file is a package that imports nothing of stt_codegen; `python3 -I stt_codegen/checker` runs it, and a
 zip of both is `checker.pyz`. theorem/, tests and benchmarks import it from here.
 """
+
+from pathlib import Path
+
+from stt_codegen.checker.stt_checker.main import main as check_files
+
+FOLDER = Path(__file__).parent  # `python3 -I FOLDER TASK C CERTIFICATE` runs it as a program of its own
+
+__all__ = ["FOLDER", "check_files", "stt_checker"]

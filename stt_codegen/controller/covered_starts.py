@@ -172,7 +172,9 @@ def write_is_between_bounds(block: Block, value: Var, i: Operand, tables: Sequen
     """Write statements for whether a value, a real or an integer, is strictly between component i of two tables."""
     less = "ilt" if value.type is INT else "lt"
     label = value.name.removesuffix("_i")
-    low, high = (block.let(f"{label}_{side}", Load(name, i, value.type)) for side, name in zip(("lower", "upper"), tables))
+    low, high = (
+        block.let(f"{label}_{side}", Load(name, i, value.type)) for side, name in zip(("lower", "upper"), tables, strict=True)
+    )
     is_above = block.op(f"{label}_above", less, low, value)
     is_below = block.op(f"{label}_below", less, value, high)
     return block.op(f"{label}_inside", "and", is_above, is_below)

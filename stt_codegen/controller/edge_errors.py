@@ -91,7 +91,8 @@ def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
 
 
 def _evaluation_errors(design: RefinedDesign, scalar: str, factors: tuple[int, int]) -> list[Fraction]:
-    """Bound, by dimension, the rounding of weights and of their sum with control points. factors: EDGE_FACTORS or RATE_FACTORS."""
+    """Bound, by dimension, the rounding of weights and of their sum with control points. factors: EDGE_FACTORS or
+    RATE_FACTORS."""
     eps, tiny = FORMATS[scalar].roundoff, FORMATS[scalar].tiny
     largest_points = [int(np.abs(design.integers()[:, i]).max()) * design.unit for i in range(design.dimension)]
     factor = factors[0] * eps + factors[1] * eps**2

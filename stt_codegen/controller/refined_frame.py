@@ -105,6 +105,7 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
         ),
     )
 
+
 def _build_coefficient_table(design: RefinedDesign, scalar: str) -> Table:
     """Build the table of control points. Raises `BadInput` where the scalar does not hold its numbers exactly."""
     if design.coefficient_bits > FORMATS[scalar].precision:

@@ -44,8 +44,8 @@ def same(value: Any, wanted: Any) -> bool:
 
 
 def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) -> str:
-    """Return what is proved, in words; raise `Refused` where something is not as the certificate claims. text: the C; folder: that
-    of the header and the files beside it."""
+    """Return what is proved, in words; raise `Refused` where something is not as the certificate claims. text: the C; folder:
+    that of the header and the files beside it."""
     scalar = _check_keys(task, certificate)
     bits = BITS[scalar]
     if task.turns:
@@ -98,7 +98,9 @@ def _check_keys(task: Task, certificate: dict[str, Any]) -> str:
     keys = {*KEYS.split(), *(key for key, is_stated in stated.items() if is_stated)}
     if certificate.get("format") == 2:
         require(False, "the certificate has format 2; make it again with a newer stt-codegen")
-    require({*certificate} == keys, f"the certificate lacks a key or has an unknown one: {', '.join(sorted({*certificate} ^ keys))}")
+    require(
+        {*certificate} == keys, f"the certificate lacks a key or has an unknown one: {', '.join(sorted({*certificate} ^ keys))}"
+    )
     wanted: dict[str, Any] = {"format": 3, "task": task.name, "certified": True, "method": "exact", "order": task.order}
     for key, value in (wanted | ({"clock": task.clock} if task.clock else {})).items():
         require(same(certificate[key], value), f"the certificate's {key} is {certificate[key]!r:.80}, the task's {value!r:.80}")
@@ -109,7 +111,9 @@ def _check_keys(task: Task, certificate: dict[str, Any]) -> str:
 
 def _check_grid(grid: Any, task: Task) -> tuple[Fraction, int, int | None]:
     """Return the unit of the table, the parts of a segment, and the seam of a tube that repeats."""
-    require({*grid} == {"segments", "cuts", "unit_bits", *(["seam"] if task.repeats else [])}, "the certificate's grid is unknown")
+    require(
+        {*grid} == {"segments", "cuts", "unit_bits", *(["seam"] if task.repeats else [])}, "the certificate's grid is unknown"
+    )
     has_integers = all(type(v) is int for v in grid.values()) and abs(grid["unit_bits"]) < 200
     require(has_integers, "the certificate's grid is not of whole numbers")
     cuts = grid["cuts"]
@@ -131,14 +135,15 @@ def _read_law(task: Task, tube: tubes.Tube, certificate: dict[str, Any], target:
         ("edge_error", edge_error, edge_claims, tube.unit),
         ("rate_error", rate_error, rate_claims, tube.unit * tube.segments / task.t_c),
     ):
-        is_enough = all(units_above(v, unit) <= c for v, c in zip(error, stated))
+        is_enough = all(units_above(v, unit) <= c for v, c in zip(error, stated, strict=True))
         require(is_enough, f"P7 does not hold: the arithmetic moves an edge or a rate by more than {name} says")
     rounding = LAW_ERROR[scalar, task.inline]
     return Law(scalar, bits, gain, filters, rounding, edge_error, rate_error, edge_claims, rate_claims)
 
 
 def _check_constants(task: Task, certificate: Any, bits: int, scalar: str) -> tuple[Numbers, Numbers]:
-    """Return gains and filters (lambda, for order 2) of the certificate: the task's, or chosen where the task leaves them open."""
+    """Return gains and filters (lambda, for order 2) of the certificate: the task's, or chosen where the task leaves them
+    open."""
     control = certificate["control"]
     require({*control} == {"gain", "e_max", "u_max"}, "the certificate's control is unknown")
     gain = fractions(control["gain"], task.n)
@@ -165,7 +170,9 @@ def _check_start(task: Task, tube: tubes.Tube, certificate: Any) -> None:
     """Require what the certificate says about the tube's speed and its start."""
     require(integers(certificate["speed"], task.n) == [tube.fastest(i) for i in range(task.n)], "its speed is not the tube's")
     require(same(certificate["start"], [list(v) for v in tube.start]), "the certificate's start is not the tube's")
-    lack = [max(s[0] * tube.unit - a, b - s[1] * tube.unit) * 1000 - (b - a) for s, a, b in zip(tube.start, *task.start)]
+    lack = [
+        max(s[0] * tube.unit - a, b - s[1] * tube.unit) * 1000 - (b - a) for s, a, b in zip(tube.start, *task.start, strict=True)
+    ]
     require(certificate["covers_initial_set"] is (max(lack) <= 0), "the certificate's covers_initial_set is wrong")
 
 
@@ -178,9 +185,12 @@ def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
         require(same(claim[key], value), f"the certificate's sampled {key} is not the task's")
     rho, u, shift = (fractions(claim[key], task.n) for key in ("rho", "u", "shift"))
     smallest = period.shifts(task, tube, law)
-    require(all(a <= b for a, b in zip(smallest, shift)), "P9 does not hold: the law sees a larger error than `shift` says")
+    require(
+        all(a <= b for a, b in zip(smallest, shift, strict=True)),
+        "P9 does not hold: the law sees a larger error than `shift` says",
+    )
     largest = period.prove(task, tube, law, rho, shift)
-    require(all(a <= b for a, b in zip(largest, u)), "P9 does not hold: |u| may be more than is claimed")
+    require(all(a <= b for a, b in zip(largest, u, strict=True)), "P9 does not hold: |u| may be more than is claimed")
     if task.turns:
         task.turns.prove_steps(tube, u, law.filters)
 
@@ -189,7 +199,9 @@ def _files_of(task: Task, hashes: dict[str, str]) -> tuple[dict[str, str], set[s
     """Return the C files by the name of their listing, and the C files of which nothing is known but their hash."""
     name, has_phase = task.name, "mission" in task.document and f"{task.name}_phase.c" in hashes
     small = {"guard": task.outside != "return", "wrap": task.repeats, "unwrap": bool(task.turns)}
-    files = {"controller": f"{name}.c", "header": f"{name}.h"} | {k: f"{name}_{k}.c" for k, is_present in small.items() if is_present}
+    files = {"controller": f"{name}.c", "header": f"{name}.h"} | {
+        k: f"{name}_{k}.c" for k, is_present in small.items() if is_present
+    }
     return files, {f"{name}_{k}.c" for k, v in {"selftest": task.selftest, "phase": has_phase}.items() if v}
 
 
@@ -207,8 +219,8 @@ def _check_files(task: Task, hashes: dict[str, str], text: bytes, folder: Path) 
 
 
 def _check_listings(task: Task, tube: Any, law: Law, certificate: Any, c: tuple[bytes, Path], target: Any) -> None:
-    """Require that the C, the header and the small files are the listings, filled with the numbers of task and certificate. c: the
-    text of the C, and the folder of the files beside it."""
+    """Require that the C, the header and the small files are the listings, filled with the numbers of task and certificate. c:
+    the text of the C, and the folder of the files beside it."""
     files, beside = _files_of(task, certificate["sha256"])
     has_phase, unit_bits, (text, folder) = f"{task.name}_phase.c" in beside, certificate["grid"]["unit_bits"], c
     starts = covered_starts(task, tube, law)

@@ -167,9 +167,11 @@ class Cycle:
         return max(until, self.end) + a + self.length if math.isinf(b) else until + b
 
 
-def satisfied(f: Formula, known: dict[Formula, list[Interval]], cycle: Cycle | None = None, until: Fraction = ZERO) -> list[Interval]:
-    """Return when a formula holds, as far as it follows from when its parts are known to hold. Where the tube repeats, the answer is
-    about times up to `until`, and says nothing about later ones."""
+def satisfied(
+    f: Formula, known: dict[Formula, list[Interval]], cycle: Cycle | None = None, until: Fraction = ZERO
+) -> list[Interval]:
+    """Return when a formula holds, as far as it follows from when its parts are known to hold. Where the tube repeats, the answer
+    is about times up to `until`, and says nothing about later ones."""
     if f in known:
         return union(known[f]) if cycle is None else cycle.unrolled(union(known[f]), until)
     kind, *parts = f

@@ -1,5 +1,7 @@
-"""Plants of order 2: the law holds v + lambda x in the filtered tube, between L' + lambda L and R' + lambda R. P1, P2 and P8 of it."""
+"""Plants of order 2: the law holds v + lambda x in the filtered tube, between L' + lambda L and R' + lambda R. P1, P2 and P8 of
+it."""
 
+import itertools
 import math
 from fractions import Fraction
 from typing import Any
@@ -17,15 +19,15 @@ def filtered_tube(task: Any, tube: Tube, filters: list[Fraction]) -> tuple[list[
     k, edges, demands = tube.segments / task.t_c, [], []
     for piece in tube.pieces:
         edge_pairs, demand_pairs = list[Any](), list[Any]()
-        for (low, high), s in zip(piece, filters):
+        for (low, high), s in zip(piece, filters, strict=True):
             edge, demand = [], []
             for c, sign in ((low, 1), (high, -1)):
-                d = [b - a for a, b in zip(c, c[1:])]
-                e = [b - a for a, b in zip(d, d[1:])]
+                d = [b - a for a, b in itertools.pairwise(c)]
+                e = [b - a for a, b in itertools.pairwise(d)]
                 rate = (3 * d[0], d[0] + 2 * d[1], 2 * d[1] + d[2], 3 * d[2])  # the derivative, raised to degree 3
                 bend = (6 * e[0], 4 * e[0] + 2 * e[1], 2 * e[0] + 4 * e[1], 6 * e[1])  # the second one, likewise
-                edge.append([(k * r + s * v) * tube.unit for r, v in zip(rate, c)])
-                demand.append([(s * s * (h - v) + sign * k * k * b) * tube.unit for v, h, b in zip(low, high, bend)])
+                edge.append([(k * r + s * v) * tube.unit for r, v in zip(rate, c, strict=True)])
+                demand.append([(s * s * (h - v) + sign * k * k * b) * tube.unit for v, h, b in zip(low, high, bend, strict=True)])
             edge_pairs.append((edge[0], edge[1]))
             demand_pairs.append((demand[0], demand[1]))
         edges.append(edge_pairs)
@@ -35,18 +37,18 @@ def filtered_tube(task: Any, tube: Tube, filters: list[Fraction]) -> tuple[list[
 
 def widths(edges: list[Piece], i: int) -> list[Fraction]:
     """Return the widths of the filtered tube in dimension i, as Bezier coefficients of all its pieces."""
-    return [h - v for piece in edges for v, h in zip(*piece[i])]
+    return [h - v for piece in edges for v, h in zip(*piece[i], strict=True)]
 
 
 def prove(task: Any, tube: Tube, claims: list, cuts: int, law: Law) -> None:
-    """Prove that the filtered tube is wide enough, that starts are in it, and that the input is strong enough. Margins are in units
-    that make these numbers whole."""
+    """Prove that the filtered tube is wide enough, that starts are in it, and that the input is strong enough. Margins are in
+    units that make these numbers whole."""
     filters = law.filters
     edges, demands = filtered_tube(task, tube, filters)
     per_segment, end = tube.unit * tube.segments / task.t_c, tube.segments * cuts  # a unit in a segment's time
     common = (tube.segments / task.t_c).denominator * math.lcm(*(s.denominator for s in filters))
     errors = [2 * (r * per_segment + s * e * tube.unit)
-              for r, s, e in zip(law.rate_claims, filters, law.edge_claims)]  # fmt: skip
+              for r, s, e in zip(law.rate_claims, filters, law.edge_claims, strict=True)]  # fmt: skip
 
     unit = tube.unit / common
     claim = take_claim(claims, "P1", [0, end], max(errors) / unit, order=2)

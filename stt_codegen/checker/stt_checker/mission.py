@@ -50,7 +50,7 @@ class Mission:
         if "lower" not in table:
             return None
         axes = axes_of(table, self.task.names)
-        ends = dict(zip(axes, zip(*box(table, len(axes)))))
+        ends = dict(zip(axes, zip(*box(table, len(axes)), strict=True), strict=True))
         growth = [h + self.task.clearance if f[0] == "out" else Fraction(0) for h in self.task.body]
         return [(ends[i][0] - g, ends[i][1] + g) if i in ends else (-math.inf, math.inf) for i, g in enumerate(growth)]
 
@@ -62,11 +62,11 @@ class Mission:
         """Return whether a formula of boxes holds at a point that is on no edge."""
         if f[0] in ("and", "or"):
             return (all if f[0] == "and" else any)(self.holds_at(p, point) for p in f[1:])
-        return all(a < x < b for x, (a, b) in zip(point, self.edges(f) or [])) == (f[0] == "in")
+        return all(a < x < b for x, (a, b) in zip(point, self.edges(f) or [], strict=True)) == (f[0] == "in")
 
     def holds_in(self, f: Formula, piece: Piece, tube: Tube, margin: int, depth: int = DEEPEST_HALVING) -> bool:
-        """Return whether a state formula holds in a piece, larger by the margin on every side; in its halves where its hull is too
-        coarse."""
+        """Return whether a state formula holds in a piece, larger by the margin on every side; in its halves where its hull is
+        too coarse."""
         edges, unit = [self.edges(atom) for atom in self.atoms(f)], tube.unit
         if all(edges):  # the edges cut the piece's box into cells, in each of which one point tells
             cells = []
@@ -86,11 +86,12 @@ class Mission:
         """Return whether a state formula holds on the interval of a claim, with its margin."""
         if f[0] == "out" and self.edges(f) is None:
             return avoids(self.task, tube, Obstacle(self.regions[f[1]], "", self.task), claim, cuts)
-        return all(self.holds_in(f, tube.part(a, b, cuts), tube, claim["margin"]) for a, b in by_segment(*claim["on"], cuts))
+        begin, stop = claim["on"]
+        return all(self.holds_in(f, tube.part(a, b, cuts), tube, claim["margin"]) for a, b in by_segment(begin, stop, cuts))
 
     def prove(self, tube: Tube, error: int, claims_and_cuts: tuple[list, int], stated: Any, clock_error: Fraction) -> None:
-        """Prove every claim about a state formula, and that the mission follows from them. error: of an edge, in units; stated: the
-        certificate's `mission`; clock_error: of t_c."""
+        """Prove every claim about a state formula, and that the mission follows from them. error: of an edge, in units; stated:
+        the certificate's `mission`; clock_error: of t_c."""
         claims, cuts = claims_and_cuts
         require({*stated} == {"formula", "time_margin"}, "the certificate's mission has unknown keys")
         require(self.written_out(parse(stated["formula"])) == self.formula, "the certificate's formula is not the task's mission")

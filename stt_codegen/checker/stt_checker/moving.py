@@ -25,7 +25,8 @@ class Course:
         still = [(Fraction(0), [Fraction(0)] * task.n)]
         self.knots = [(number(at), [by.get(i, Fraction(0)) for i in range(task.n)]) for at, by in moves] or still
         times = [at for at, _ in self.knots]
-        self.first, self.last = numbers(table["during"], 2) if "during" in table else (-self.early, t_c + self.late)
+        ends: list[Fraction] = numbers(table["during"], 2) if "during" in table else [-self.early, t_c + self.late]
+        self.first, self.last = ends
         is_ordered = "during" not in table or 0 <= self.first < self.last <= t_c
         if not is_ordered or min(timing, self.spread, *times) < 0 or max(times) > t_c or sorted({*times}) != times:
             raise Unusable("the task has a motion or an active interval outside 0 to prescribed_time, or in no order")
@@ -35,7 +36,7 @@ class Course:
         tau = min(max(tau, self.first), self.last)
         for (a, begin), (b, end) in itertools.pairwise(self.knots):
             if a <= tau <= b:
-                return [v + (tau - a) / (b - a) * (w - v) for v, w in zip(begin, end)]
+                return [v + (tau - a) / (b - a) * (w - v) for v, w in zip(begin, end, strict=True)]
         return self.knots[0 if tau < self.knots[0][0] else -1][1]
 
     def legs(self, a: Fraction, b: Fraction) -> Iterator[tuple[Fraction, Fraction, list[tuple[Point, Point]]]]:

@@ -1,5 +1,6 @@
 """P9: with an input that is held between samples the state stays in the tube. docs/certificate-format.md has the statement, the
-lemma book its proof (sampled.*). rho_i is e^E_i: the claim is |e_i| < (rho_i - 1)/(rho_i + 1) at all times. For tasks with a period."""
+lemma book its proof (sampled.*). rho_i is e^E_i: the claim is |e_i| < (rho_i - 1)/(rho_i + 1) at all times. For tasks with a
+period."""
 
 import itertools
 from fractions import Fraction
@@ -15,8 +16,9 @@ ZERO = Fraction(0)
 
 
 class Window(NamedTuple):
-    """One component during a segment, or from t_c on: the least and largest width of the tube that holds it, and how fast the tube's
-    motion pushes it: at an edge, while a sample ages, and from the middle. Of order 1 all three are the faster edge's speed."""
+    """One component during a segment, or from t_c on: the least and largest width of the tube that holds it, and how fast the
+    tube's motion pushes it: at an edge, while a sample ages, and from the middle. Of order 1 all three are the faster edge's
+    speed."""
 
     narrow: Fraction
     wide: Fraction
@@ -51,15 +53,15 @@ def windows(task: Any, tube: Tube, filters: list[Fraction]) -> list[list[Window]
     if task.order == 1:
         segments = []
         for piece in tube.pieces:
-            spans = [[(h - v) * tube.unit for v, h in zip(*edges)] for edges in piece]
-            speeds = [3 * max(abs(b - a) for e in edges for a, b in zip(e, e[1:])) * per * tube.unit for edges in piece]
-            segments.append([Window(min(s), max(s), v, v, v) for s, v in zip(spans, speeds)])
+            spans = [[(h - v) * tube.unit for v, h in zip(*edges, strict=True)] for edges in piece]
+            speeds = [3 * max(abs(b - a) for e in edges for a, b in itertools.pairwise(e)) * per * tube.unit for edges in piece]
+            segments.append([Window(min(s), max(s), v, v, v) for s, v in zip(spans, speeds, strict=True)])
         still = [Window((b - a) * tube.unit, (b - a) * tube.unit, ZERO, ZERO, ZERO) for a, b in tube.end]
         return [*segments, still if tube.seam is None else segments[tube.seam]]
-    columns = list(zip(tube.pieces, *filtered_tube(task, tube, filters)))
+    columns = list(zip(tube.pieces, *filtered_tube(task, tube, filters), strict=True))
 
     def window(k: int, per: Fraction) -> list[Window]:
-        parts = zip(*columns[k], filters)
+        parts = zip(*columns[k], filters, strict=True)
         return [filtered_window(edges, z, demands, s, unit=tube.unit, per=per) for edges, z, demands, s in parts]
 
     segments = [window(k, per) for k in range(tube.segments)]
@@ -67,17 +69,19 @@ def windows(task: Any, tube: Tube, filters: list[Fraction]) -> list[list[Window]
 
 
 def filtered_window(edges: Any, filtered: Any, demands: Any, s: Fraction, *, unit: Fraction, per: Fraction) -> Window:
-    """Return a window of order 2, of one component with lambda s: from its edges in units, those of the filtered tube, and what its
-    motion asks of u. per: segments a second; 0 from t_c on, where the tube stands still."""
+    """Return a window of order 2, of one component with lambda s: from its edges in units, those of the filtered tube, and what
+    its motion asks of u. per: segments a second; 0 from t_c on, where the tube stands still."""
     part = slice(0, 4) if per else slice(3, 4)
-    z = [h - v for v, h in zip(*filtered)][part]
-    width = max([h - v for v, h in zip(*edges)][part]) * unit
-    low, high = ([6 * (c - 2 * b + a) * per**2 * unit for a, b, c in zip(e, e[1:], e[2:])] for e in edges)  # L'', R''
+    z = [h - v for v, h in zip(*filtered, strict=True)][part]
+    width = max([h - v for v, h in zip(*edges, strict=True)][part]) * unit
+    low, high = (
+        [6 * (c - 2 * b + a) * per**2 * unit for a, b, c in zip(e, e[1:], e[2:], strict=False)] for e in edges
+    )  # L'', R''
     first, second = s * max(z), s * s * width
     return Window(
         min(z), max(z), max(*(max(c[part]) for c in demands), *high, *(-v for v in low)),
         max(first - min(low), second - min(high), first + max(high), second + max(low), ZERO),
-        max(abs(a + b) for a, b in zip(low, high)) / 2 + (first + second) / 2,
+        max(abs(a + b) for a, b in zip(low, high, strict=True)) / 2 + (first + second) / 2,
     )  # fmt: skip
 
 
@@ -96,14 +100,14 @@ def start_ratios(task: Any, tube: Tube, filters: list[Fraction]) -> list[Fractio
 
 
 def shifts(task: Any, tube: Tube, law: Law) -> list[Fraction]:
-    """Return by component how far the position that the law sees in the tube may be off: by the edges' errors, x (and v) rounded to
-    the scalar, noise, and for order 2 the roundings of a and b, 8 of numbers that are at most Z + 2 lambda W."""
+    """Return by component how far the position that the law sees in the tube may be off: by the edges' errors, x (and v) rounded
+    to the scalar, noise, and for order 2 the roundings of a and b, 8 of numbers that are at most Z + 2 lambda W."""
     eps, (noise, noise_v) = Fraction(1, 1 << law.bits), ((task.plant.get(k) or [ZERO])[0] for k in ("noise", "noise_v"))
     if task.order == 1:
         return [2 * v + eps * task.farthest + noise for v in law.edge_error]
     edges, result, limit = filtered_tube(task, tube, law.filters)[0], [], emitted_limits(task, law.bits)
     for i, s in enumerate(law.filters):
-        w = max(h - v for piece in tube.pieces for v, h in zip(*piece[i])) * tube.unit
+        w = max(h - v for piece in tube.pieces for v, h in zip(*piece[i], strict=True)) * tube.unit
         fastest, z = tube.speed(i), max(widths(edges, i))
         if task.differs:
             force, _, g_max, cross = task.bounds(i)
@@ -120,19 +124,23 @@ def prove(task: Any, tube: Tube, law: Law, rho: list[Fraction], shift: list[Frac
     age, limit, r = task.period + task.latency, emitted_limits(task, law.bits), law.rounding
     longest = task.t_c / tube.segments / (2 if task.latency else 1)
     require(age <= longest, "P9 does not hold: a sample may be older than a segment")
-    for smallest, e, e_max, (a, b), x in zip(start_ratios(task, tube, law.filters), rho, task.e_max, tube.start, task.state):
+    for smallest, e, e_max, (a, b), x in zip(
+        start_ratios(task, tube, law.filters), rho, task.e_max, tube.start, task.state, strict=True
+    ):
         require(smallest < e <= (1 + e_max) / (1 - e_max), "P9 does not hold: rho is not between the start share and e_max")
-        require(abs(2 * x / tube.unit - a - b) <= task.share * (b - a), "P9 does not hold: initial_state is outside the start share")
+        require(
+            abs(2 * x / tube.unit - a - b) <= task.share * (b - a), "P9 does not hold: initial_state is outside the start share"
+        )
     segments, largest = windows(task, tube, law.filters), [ZERO] * task.n
     for k, window in enumerate(segments):
         previous = segments[max(k - 1, 0)]
-        narrowest = [min(a.narrow, b.narrow) for a, b in zip(window, previous)]
+        narrowest = [min(a.narrow, b.narrow) for a, b in zip(window, previous, strict=True)]
         u = [largest_input(task, law, i, farthest_position(task, i, narrowest[i], rho[i], shift[i])) for i in range(task.n)]
         for i in range(task.n):
             narrow, wide = window[i][:2]
             force, g_min, g_max, cross = task.bounds(i)
             force += cross * (sum(u) - u[i])
-            at_edge, ageing, from_middle = (force + max(a, b) for a, b in zip(window[i][2:], previous[i][2:]))
+            at_edge, ageing, from_middle = (force + max(a, b) for a, b in zip(window[i][2:], previous[i][2:], strict=True))
             where = f"({task.names[i]}, window {k})"
             require(g_min <= g_max, "P9 does not hold: g_min is above g_max")
             to_middle = narrow / 2 * ((rho[i] - 1) / (rho[i] + 1) - r)
@@ -144,7 +152,7 @@ def prove(task: Any, tube: Tube, law: Law, rho: list[Fraction], shift: list[Frac
                 a, b = d * rho[i] / (1 + rho[i]) - moved, d / (1 + rho[i]) + moved
                 is_kept = a > b and abs(law.gain[i]) * (1 - r) * g_min * (1 / a + 1 / b) * (logarithm(a / b)[0] - r) > at_edge
                 require(is_kept, f"P9 does not hold: the law does not push back enough {where}")
-        largest = [max(a, b) for a, b in zip(largest, u)]
+        largest = [max(a, b) for a, b in zip(largest, u, strict=True)]
     return largest
 
 

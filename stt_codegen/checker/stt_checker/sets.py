@@ -18,7 +18,7 @@ HalfSpace = tuple[list[Fraction], Fraction]  # normal n and offset b: all x with
 
 
 def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
-    return sum(v * w for v, w in zip(a, b))
+    return sum(v * w for v, w in zip(a, b, strict=True))
 
 
 def euclidean_norm(normal: Sequence[int]) -> Fraction:
@@ -46,7 +46,7 @@ def points(value: Any, d: int) -> list[list[Fraction]]:
 def box(table: Any, d: int) -> tuple[list[Fraction], list[Fraction]]:
     """Return the lower and upper edges of a box."""
     (lower,), (upper,) = points([table["lower"]], d), points([table["upper"]], d)
-    if any(a >= b for a, b in zip(lower, upper)):
+    if any(a >= b for a, b in zip(lower, upper, strict=True)):
         raise Unusable("the task has a set with a lower edge that is not below the upper one")
     return lower, upper
 
@@ -63,7 +63,7 @@ def hull_faces(corners: list[list[Fraction]], d: int) -> list[HalfSpace]:
         raise Unusable("the task has a set of too many points or dimensions")
     faces = []
     for first, *rest in itertools.combinations(corners, d):
-        u = [[b - a for a, b in zip(first, p)] for p in rest]
+        u = [[b - a for a, b in zip(first, p, strict=True)] for p in rest]
         if d == 3:
             normal = [u[0][j] * u[1][k] - u[0][k] * u[1][j] for j, k in ((1, 2), (2, 0), (0, 1))]
         else:
@@ -77,7 +77,7 @@ def hull_faces(corners: list[list[Fraction]], d: int) -> list[HalfSpace]:
 
 def spread_over(axes: list[int], values: Sequence[Fraction], n: int) -> list[Fraction]:
     """Return a vector of n dimensions with these values in some axes, and 0 in the others."""
-    by_axis = dict(zip(axes, values))
+    by_axis = dict(zip(axes, values, strict=True))
     return [by_axis.get(i, ZERO) for i in range(n)]
 
 
@@ -95,7 +95,7 @@ class Inside:
             raise Unusable("the task has a set to be in with a shape that is unknown here")
         if "lower" in table:
             box_axes = list(range(n)) if box_has_all_axes else self.axes
-            for i, a, b in zip(box_axes, *box(table, len(box_axes))):
+            for i, a, b in zip(box_axes, *box(table, len(box_axes)), strict=True):
                 axis = spread_over([i], [Fraction(1)], n)
                 faces += [(axis, b), ([-c for c in axis], -a)]
         listed = list[HalfSpace]()
@@ -118,7 +118,10 @@ class Inside:
         error = smaller_by or [ZERO] * len(by)
         self.faces = [(normal, b + dot(normal, by) - dot(map(abs, normal), error)) for normal, b in self.faces]
         if self.ball:
-            self.ball = [c + by[i] for i, c in zip(self.axes, self.ball[0])], self.ball[1] - sum(error[i] for i in self.axes)
+            self.ball = (
+                [c + by[i] for i, c in zip(self.axes, self.ball[0], strict=True)],
+                self.ball[1] - sum(error[i] for i in self.axes),
+            )
             if self.ball[1] <= 0:
                 raise Unusable("the task has a target that is smaller than what its turns are wrong by")
 
@@ -131,7 +134,7 @@ class Inside:
         if not self.ball:
             return True
         centre, radius = self.ball
-        return sum(max(high[i] - c, c - low[i]) ** 2 for i, c in zip(self.axes, centre)) <= radius**2
+        return sum(max(high[i] - c, c - low[i]) ** 2 for i, c in zip(self.axes, centre, strict=True)) <= radius**2
 
 
 class Obstacle:
@@ -145,30 +148,36 @@ class Obstacle:
         if form not in FORMS or ("radius" in table and self.radius <= 0):
             raise Unusable("the task has an unsafe set with a shape that is unknown here")
         lower, upper = task.box
-        middle, self.half = [(a + b) / 2 for a, b in zip(lower, upper)], [(b - a) / 2 for a, b in zip(lower, upper)]
+        middle, self.half = (
+            [(a + b) / 2 for a, b in zip(lower, upper, strict=True)],
+            [(b - a) / 2 for a, b in zip(lower, upper, strict=True)],
+        )
         self.faces: list[HalfSpace] = []
         corners, extents = list[list[Fraction]](), [ZERO] * d
         if "lower" in form:
             low, high = box(table, d)
-            corners, extents = [[(a + b) / 2 for a, b in zip(low, high)]], [(b - a) / 2 for a, b in zip(low, high)]
+            corners, extents = (
+                [[(a + b) / 2 for a, b in zip(low, high, strict=True)]],
+                [(b - a) / 2 for a, b in zip(low, high, strict=True)],
+            )
         elif "normals" in form:
             corners, extents = [[middle[i] for i in axes]], [self.half[i] for i in axes]
             self.faces = [(spread_over(axes, normal, task.n), offset) for normal, offset in half_spaces(table, d)]
         else:
             corners = points([table["centre"]] if "centre" in form else table["vertices" if "vertices" in form else "segment"], d)
-        for i, extent in zip(axes, extents):
+        for i, extent in zip(axes, extents, strict=True):
             self.half[i] = extent
-        self.points = [[dict(zip(axes, p)).get(i, v) for i, v in enumerate(middle)] for p in corners]
+        self.points = [[dict(zip(axes, p, strict=True)).get(i, v) for i, v in enumerate(middle)] for p in corners]
         self.timing, self.states_timing, self.course = number(table.get("timing", 0)), "timing" in table, None
         if {"motion", "during"} & {*table} or table.get("spread"):
-            moves = [(v["at"], dict(zip(axes, points([v["by"]], d)[0]))) for v in table.get("motion", [])]
+            moves = [(v["at"], dict(zip(axes, points([v["by"]], d)[0], strict=True))) for v in table.get("motion", [])]
             self.course = Course(table, moves, task)
 
     def image(self, name: str, by: list[Fraction]) -> "Obstacle":
         """Return the set moved by full turns of axes that close."""
         moved = object.__new__(Obstacle)
         moved.__dict__ |= self.__dict__ | {"name": name}
-        moved.points = [[v + w for v, w in zip(p, by)] for p in self.points]
+        moved.points = [[v + w for v, w in zip(p, by, strict=True)] for p in self.points]
         moved.faces = [(normal, offset + dot(normal, by)) for normal, offset in self.faces]
         return moved
 
@@ -178,7 +187,7 @@ class Obstacle:
         good = len(multipliers) == len(self.faces) and all(y >= 0 for y in multipliers)
         require(good, "a hint does not have a multiplier for every half-space")
         rest, height = [Fraction(c) for c in normal], ZERO
-        for y, (face, offset) in zip(multipliers, self.faces):
-            rest, height = [a - y * b for a, b in zip(rest, face)], height + y * offset
+        for y, (face, offset) in zip(multipliers, self.faces, strict=True):
+            rest, height = [a - y * b for a, b in zip(rest, face, strict=True)], height + y * offset
         height += max(dot(rest, p) for p in self.points) + dot(map(abs, rest), self.half)
         return height + dot(map(abs, normal), self.body) + self.radius * euclidean_norm([normal[i] for i in self.axes])

@@ -14,8 +14,8 @@ TABLES = ("start_lower", "start_upper", "filtered_start_lower", "filtered_start_
 
 def covered_starts(task: Any, tube: Tube, law: Law) -> dict[str, list[Fraction]]:
     """Return the tables of `covered`. A measured x strictly between the first two, and for order 2 the C's v + lambda x strictly
-    between the others, belongs to no state but one that is covered. The middle is the tube's. The half width is the start share of
-    it, for v + lambda x what `start_ratios` says, less what a measurement may be wrong by: the noise, and roundings. A C in
+    between the others, belongs to no state but one that is covered. The middle is the tube's. The half width is the start share
+    of it, for v + lambda x what `start_ratios` says, less what a measurement may be wrong by: the noise, and roundings. A C in
     integers has them in units of the table."""
     unit, eps, counts_units = tube.unit, Fraction(2, 1 << law.bits), law.scalar == "fixed"
     noise, noise_v = ((task.plant.get(k) or [Fraction(0)])[0] for k in ("noise", "noise_v"))
@@ -40,4 +40,4 @@ def covered_starts(task: Any, tube: Tube, law: Law) -> dict[str, list[Fraction]]
             else:
                 tables[2 * k].append(rounded(middle - half, law.bits, math.ceil))
                 tables[2 * k + 1].append(rounded(middle + half, law.bits, math.floor))
-    return dict(zip(TABLES, tables))
+    return dict(zip(TABLES[: len(tables)], tables, strict=True))

@@ -98,7 +98,7 @@ class Task:
 
             self.turns = Turns(self)
         self.space = Inside(document["state_space"], self.names, self.body)
-        for i, (low, high) in enumerate(zip(*self.box)):  # as the file says, unless the axis closes
+        for i, (low, high) in enumerate(zip(*self.box, strict=True)):  # as the file says, unless the axis closes
             (axis, _), (opposite, _) = self.space.faces[2 * i : 2 * i + 2]
             self.space.faces[2 * i : 2 * i + 2] = [(axis, high - self.body[i]), (opposite, -low - self.body[i])]
         if self.target is not None and "lower" not in document["target_set"]:  # a ball: other axes are those of the state space
@@ -122,7 +122,7 @@ class Task:
         target = Inside(table, self.names, [Fraction(0)] * self.n)
         if "motion" in table:
             axes = axes_of(table, self.names)
-            moves = [(v["at"], dict(zip(axes, points([v["by"]], len(axes))[0]))) for v in table["motion"]]
+            moves = [(v["at"], dict(zip(axes, points([v["by"]], len(axes))[0], strict=True))) for v in table["motion"]]
             target.move(Course(table, moves, self).displacement(self.t_c))
         return target
 

@@ -42,7 +42,7 @@ class Tube:
         return self.fastest(i) * self.unit * self.segments / self.t_c
 
     def widths(self) -> Iterator[int]:
-        return (h - v for piece in self.pieces for edges in piece for v, h in zip(*edges))
+        return (h - v for piece in self.pieces for edges in piece for v, h in zip(*edges, strict=True))
 
     def part(self, a: int, b: int, cuts: int) -> Piece:
         """Return the tube from a to b, counted in parts of a segment; a segment has `cuts` parts."""
@@ -77,8 +77,8 @@ def by_segment(begin: int, stop: int, cuts: int) -> Iterator[tuple[int, int]]:
 
 
 def normals_of(hints: Any, begin: int, stop: int, cuts: int) -> Iterator[tuple[int, int, list[int], list[Fraction]]]:
-    """Read the hints of a claim: stretches without a gap from begin to stop, each with a normal and perhaps multipliers. Yield them
-    segment by segment."""
+    """Read the hints of a claim: stretches without a gap from begin to stop, each with a normal and perhaps multipliers. Yield
+    them segment by segment."""
     at = begin
     require(isinstance(hints, list) and bool(hints), "a claim to avoid a set has no hints")
     for first, last, normal, *multipliers in hints:
@@ -91,8 +91,8 @@ def normals_of(hints: Any, begin: int, stop: int, cuts: int) -> Iterator[tuple[i
 
 
 def avoids(task: Any, tube: Tube, obstacle: Obstacle, claim: Any, cuts: int) -> bool:
-    """Return whether the tube is beyond a set along the normals of the hints, by the clearance and the margin. Where the set moves
-    this is asked for each part of a piece in which no motion turns."""
+    """Return whether the tube is beyond a set along the normals of the hints, by the clearance and the margin. Where the set
+    moves this is asked for each part of a piece in which no motion turns."""
     seconds = task.t_c / (tube.segments * cuts)  # of a part of a segment
     begin, stop = claim["on"]
     for a, b, normal, multipliers in normals_of(claim.get("hints"), begin, stop, cuts):
@@ -119,7 +119,7 @@ def is_ahead(obstacle: Obstacle, normal: list[int], excess: list[Any], times: tu
     for p, q, corners in course.legs(begin, end):
         for k, value in enumerate(cut(excess, *((t - begin) / (end - begin) for t in (p, q)))):
             share = Fraction(k, 3)
-            moved = max(sum(c * (u + share * (v - u)) for c, u, v in zip(normal, *ends)) for ends in corners)
+            moved = max(sum(c * (u + share * (v - u)) for c, u, v in zip(normal, *ends, strict=True)) for ends in corners)
             if value < (moved + growth * (p + share * (q - p) + course.late)) / unit:
                 return False
     return True
@@ -137,11 +137,16 @@ def prove(task: Any, tube: Tube, claims: list, cuts: int, error: int) -> None:
 
     claim = take_claim(claims, "P1", [0, end], 2 * error)
     narrowest = task.min_width / unit + claim["margin"]
-    require(all(h - v >= narrowest for piece in pieces(claim) for edges in piece for v, h in zip(*edges)), "P1 does not hold")
+    require(
+        all(h - v >= narrowest for piece in pieces(claim) for edges in piece for v, h in zip(*edges, strict=True)),
+        "P1 does not hold",
+    )
 
     margin = take_claim(claims, "P2", [0, 0], error)["margin"]
-    has_state = all(a + margin <= x / unit <= b - margin for (a, b), x in zip(tube.start, task.state))
-    is_within = all(low / unit + margin <= a and b + margin <= high / unit for (a, b), low, high in zip(tube.start, *task.start))
+    has_state = all(a + margin <= x / unit <= b - margin for (a, b), x in zip(tube.start, task.state, strict=True))
+    is_within = all(
+        low / unit + margin <= a and b + margin <= high / unit for (a, b), low, high in zip(tube.start, *task.start, strict=True)
+    )
     require(has_state and is_within, "P2 does not hold")
 
     claim = take_claim(claims, "P3", [0, end], error)

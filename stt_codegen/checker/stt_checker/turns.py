@@ -37,7 +37,11 @@ def drift(period: Fraction) -> Fraction:
 def corners(normals: list[Any], edges: list[tuple[Fraction, Fraction]]) -> list[list[Fraction]]:
     """Return the corners of a box that is cut by half-spaces: the points where d faces meet and all others hold."""
     d = len(edges)
-    axes = [([Fraction(sign * (k == i)) for k in range(d)], sign * edge) for i in range(d) for sign, edge in zip((-1, 1), edges[i])]
+    axes = [
+        ([Fraction(sign * (k == i)) for k in range(d)], sign * edge)
+        for i in range(d)
+        for sign, edge in zip((-1, 1), edges[i], strict=True)
+    ]
     faces, result = [*normals, *axes], list[list[Fraction]]()
     for some in itertools.combinations(faces, d):
         rows = [[*normal, offset] for normal, offset in some]
@@ -47,7 +51,7 @@ def corners(normals: list[Any], edges: list[tuple[Fraction, Fraction]]) -> list[
                 break
             rows.remove(lead)
             rows.insert(i, [v / lead[i] for v in lead])
-            rows = [r if k == i else [v - r[i] * w for v, w in zip(r, rows[i])] for k, r in enumerate(rows)]
+            rows = [r if k == i else [v - r[i] * w for v, w in zip(r, rows[i], strict=True)] for k, r in enumerate(rows)]
         else:
             point = [r[d] for r in rows]
             if all(dot(normal, point) <= offset for normal, offset in faces):
@@ -76,7 +80,7 @@ class Turns:
             by[i], error[i] = k * period, abs(k) * self.drifts[i]
         if task.target is not None:
             spans = [self._span(i) for i in self.periods]
-            if any(span is not None and span[1] - span[0] <= 2 * error[i] for i, span in zip(self.periods, spans)):
+            if any(span is not None and span[1] - span[0] <= 2 * error[i] for i, span in zip(self.periods, spans, strict=True)):
                 raise Unusable("the task has a target that is narrower than what its turns are wrong by")
             task.target.move(by, error)
         self.turns = {i: int(max(abs(task.box[0][i]), abs(task.box[1][i])) / v) + 2 for i, v in self.periods.items()}
@@ -92,8 +96,8 @@ class Turns:
         return centre - target.ball[1], centre + target.ball[1]
 
     def _nearest_turn(self, i: int, period: Fraction) -> int:
-        """Choose the target's image that is nearest to the initial state. Where the state space has a whole turn, let it go half a
-        turn beyond start and target. Return the image's turn."""
+        """Choose the target's image that is nearest to the initial state. Where the state space has a whole turn, let it go half
+        a turn beyond start and target. Return the image's turn."""
         task, (lower, upper) = self.task, self.task.box
         is_limited, turn = upper[i] - lower[i] < period, 0
         if not is_limited and any({"vertices", "normals"} & {*task.document["state_space"]}):
@@ -122,7 +126,7 @@ class Turns:
         for name, table in tables:
             closed = [i for i in axes_of(table, task.names) if i in self.periods]
             ends = [{i: task.state[i] + sign * 64 * self.periods[i] for i in closed} for sign in (-1, 1)]
-            lower, upper = ([end.get(i, v) for i, v in enumerate(edges)] for end, edges in zip(ends, box))
+            lower, upper = ([end.get(i, v) for i, v in enumerate(edges)] for end, edges in zip(ends, box, strict=True))
             task.box = (lower, upper)
             obstacle = Obstacle(table, name, task)
             task.box = box
@@ -133,10 +137,10 @@ class Turns:
             for turns in itertools.product(*ranges):
                 if any(turns):
                     by = [Fraction(0)] * task.n
-                    for i, k in zip(closed, turns):
+                    for i, k in zip(closed, turns, strict=True):
                         by[i] = k * self.periods[i]
                     images.append(obstacle.image(name + "".join(f"{k:+d}" for k in turns), by))
-                    margin = max([margin, *(abs(k) * self.drifts[i] for i, k in zip(closed, turns))])
+                    margin = max([margin, *(abs(k) * self.drifts[i] for i, k in zip(closed, turns, strict=True))])
                     self.farthest_image = max(self.farthest_image, *map(abs, turns))
         task.clearance += margin
         return sets + images
@@ -151,7 +155,8 @@ class Turns:
             normals = [([normal[j] for j in obstacle.axes], offset) for normal, offset in obstacle.faces]
             if len(normals) > 32 or len(edges) > 3:
                 raise Unusable("the task has more half-spaces than can be checked in good time")
-            ends, extent = [dict(zip(obstacle.axes, p)) for p in corners(normals, edges)], Fraction(0)
+            ends = [[dict(zip(obstacle.axes, p, strict=True)).get(j, Fraction(0)) for j in range(task.n)] for p in corners(normals, edges)]
+            extent = Fraction(0)
             if not ends or not all(edges[column][0] < p[i] < edges[column][1] for p in ends):
                 raise Unusable("the task has half-spaces that leave a set empty, or open in an axis that closes")
         by = [number(v["by"][column]) for v in table.get("motion", [])] or [Fraction(0)]
@@ -178,11 +183,11 @@ class Turns:
             task.plant["noise"], task.stated["noise"] = [self.unwrap_noise] * task.n, str(self.unwrap_noise)
 
     def prove_steps(self, tube: Any, u: list[Fraction], filters: list[Fraction]) -> None:
-        """P9: between two samples an angle moves by less than unwrapping allows. It moves by no more than the tube's width and its
-        edges, or of order 1 what the plant does with |u_i| <= u_i, or of order 2 as fast as both tubes let it."""
+        """P9: between two samples an angle moves by less than unwrapping allows. It moves by no more than the tube's width and
+        its edges, or of order 1 what the plant does with |u_i| <= u_i, or of order 2 as fast as both tubes let it."""
         task = self.task
         for i, allowed in self.steps.items():
-            width, speed = max(h - v for piece in tube.pieces for v, h in zip(*piece[i])) * tube.unit, tube.speed(i)
+            width, speed = max(h - v for piece in tube.pieces for v, h in zip(*piece[i], strict=True)) * tube.unit, tube.speed(i)
             force, _, g_max, cross = task.bounds(i)
             drive = force + g_max * u[i] + cross * (sum(u) - u[i]) if task.order == 1 else speed + filters[i] * width
             moves = min(width + speed * task.period, drive * task.period)

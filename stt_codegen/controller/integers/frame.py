@@ -32,7 +32,6 @@ from stt_codegen.controller.integers.integer_statements import (
 )
 from stt_codegen.controller.kernels import write_edge_indices
 from stt_codegen.decimals import by_component, decimal
-from stt_codegen.designs import UPPER
 from stt_codegen.program import (
     FALSE,
     INT,

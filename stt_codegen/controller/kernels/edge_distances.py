@@ -71,8 +71,9 @@ class ClampedDistances:
 def _write_nearest_distance(block: Block, distances: EdgeDistances, names: tuple[str, str]) -> tuple[Var, Var]:
     """Write statements for the distance to the nearer edge, and for whether that is the upper one.
 
-    names: of the two variables, in the order of their statements: the truth value, the distance. Between two edges the distance is above 0 exactly where lower < x < upper: a difference of two numbers has the sign of
-    their comparison, gradual underflow included."""
+    names: of the two variables, in the order of their statements: the truth value, the distance. Between two edges the distance
+    is above 0 exactly where lower < x < upper: a difference of two numbers has the sign of their comparison, gradual underflow
+    included."""
     to_lower, to_upper = distances.write_distances(block)
     is_upper_nearer = block.op(names[0], "lt", to_upper, to_lower)
     return block.select(names[1], is_upper_nearer, to_upper, to_lower), is_upper_nearer

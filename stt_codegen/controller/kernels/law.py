@@ -214,8 +214,8 @@ def _write_transform_of_component(block: Block, law: ControlLaw, i: Var) -> None
     upper_edge = block.let("upper_edge", Load("upper", i))
     x = block.let("x_i", Load("x", i))
     # A gain of 1 and -1 is the sign that epsilon has: minus where the upper edge is the nearer one.
-    value = ValueBetweenEdges(lower_edge, upper_edge, x)
-    d = write_clamped_distances(block, law.write_clamp_share(block, i), value, (real(1), real(-1)), gain_name="sign")
+    x_between_edges = ValueBetweenEdges(lower_edge, upper_edge, x)
+    d = write_clamped_distances(block, law.write_clamp_share(block, i), x_between_edges, (real(1), real(-1)), gain_name="sign")
     a = block.select("a", d.is_upper_nearer, d.clamped_far, d.clamped_near)
     b = block.select("b", d.is_upper_nearer, d.clamped_near, d.clamped_far)
     (raw_e,) = block.call(law.normalized_error, a, b, d.width, names=("e_i",))
