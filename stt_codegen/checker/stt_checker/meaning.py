@@ -1,8 +1,8 @@
 """What the listings compute, shown once: `python3 checker.pyz --meaning`. To check a controller nothing of this is needed.
 
 The functions of the listings are run as Python (translation.py), loops and calls too, on random fractions. They must give what the
-words of examples.py say: the tube, the law (13), its status, margins, covered starts, the transform. Formulas that are no one
-quotient of polynomials agree at a point of 200 random bits with a probability below 2^-180. Points are drawn in all cases of the
+words of random_controllers.py say: the tube, the law (13), its status, margins, covered starts, the transform. Formulas that are no
+one quotient of polynomials agree at a point of 200 random bits with a probability below 2^-180. Points are drawn in all cases of the
 comparisons. With ranges and errors in place of fractions the same lines give the constants of rounding.py, and at all 2^16 places of
 a segment those of integers.py. Tests for NaN, what a cast may lose, and a u that is stored over x are for the reader's eye.
 """
@@ -15,12 +15,14 @@ from typing import Any
 
 from .controller import BEND, LN_2
 from .exact import require, rounded
-from .examples import Example, random_number
+from .random_controllers import RandomController, random_number
 from .integers import WEIGHT_ERROR
 from .rounding import EDGE, RATE
 from .translation import EPS, Inexact, functions
 
-PLACES = tuple(Fraction(v) for v in ("0", "1/10000", "1/3", "1/2", "2/3", "9999/10000", "1", "-1", "3"))  # the edges at 0 and 1
+POSITIONS = tuple(
+    Fraction(v) for v in ("0", "1/10000", "1/3", "1/2", "2/3", "9999/10000", "1", "-1", "3")
+)  # the edges at 0 and 1
 RATE_ERROR = Fraction(9, 4)  # of the three polynomials of an integer rate, in 2^-28
 COMBINATIONS = (  # every line of the listings in floating point is in one of them, but for the inline logarithm
     "order 1, one gain, one clamp, no limits, libm, ticks", "order 1, gains, clamps, no limits, scaled, libm",
@@ -30,27 +32,29 @@ COMBINATIONS = (  # every line of the listings in floating point is in one of th
 
 
 def check_functions(options: set[str]) -> None:
-    """Compare all functions of a listing at times and places within, at and beyond the ends and the edges."""
-    example = Example(options)
-    end = example.numbers["last"]
+    """Compare all functions of a listing, at times and positions within, at and beyond the ends and the edges."""
+    controller, orders = RandomController(options), 1 + ("order 2" in options)
+    end, c = controller.numbers["last"], controller.c
     for share in (Fraction(secrets.randbits(200), 1 << 200), *map(Fraction, (-1, 0, 1, 2))):
-        example.check_time(share * example.t_c, max(Fraction(0), min(end, share * example.segments)))
-    u = Fraction(secrets.randbits(200), 1 << 200) * example.segments
-    t = u * example.t_c / example.segments
-    for k, place in enumerate(PLACES):
-        for j, filtered_place in enumerate(PLACES if "order 2" in options else PLACES[:1]):
-            places = [[PLACES[(k + j) % 9], PLACES[(2 * j + k) % 9], place], [PLACES[(2 * k + j) % 9], *[filtered_place] * 2]]
-            state = example.state(u, *places[: 1 + ("order 2" in options)])
-            example.check_law(partial(example.c.control, t), state)
-            example.check_margins(t, state)
+        controller.check_time(share * controller.t_c, max(Fraction(0), min(end, share * controller.segments)))
+    u = Fraction(secrets.randbits(200), 1 << 200) * controller.segments
+    t, states = u * controller.t_c / controller.segments, []
+    for k, position in enumerate(POSITIONS):
+        for j, filtered_position in enumerate(POSITIONS if orders == 2 else POSITIONS[:1]):
+            x = [POSITIONS[(k + j) % 9], POSITIONS[(2 * j + k) % 9], position]
+            states.append([x, [POSITIONS[(2 * k + j) % 9], filtered_position, filtered_position]][:orders])
         for width in (random_number(), Fraction(1, 1 << 30), Fraction(0), Fraction(-1)):
-            example.check_transform(width, place)
+            controller.check_transform(width, position)
+    for positions in states:
+        state = controller.state(u, *positions)
+        controller.check_law(partial(c.control, t), state)
+        controller.check_margins(t, state)
     for tick in range(14) if "ticks" in options else ():
-        u = min(Fraction(3 * min(tick, 12), example.divisor), Fraction(example.segments))
-        example.check_law(partial(example.c.control_tick, tick), example.state(u, *places[: 1 + ("order 2" in options)]))
+        u = min(Fraction(3 * min(tick, 12), controller.divisor), Fraction(controller.segments))
+        controller.check_law(partial(c.control_tick, tick), controller.state(u, *states[tick % len(states)]))
     for dt in (random_number(), Fraction(0), -random_number()) if "differences" in options else ():
         x, before, v = ([random_number()] * 3 for _ in range(3))
-        example.c.velocity(dt, x, before, v)
+        c.velocity(dt, x, before, v)
         require(v == [(x[0] - before[0]) / dt if dt > 0 else None] * 3, "`velocity` is no difference over dt")
 
 
@@ -76,12 +80,12 @@ def check_rounding() -> None:
     counted["N"] = {"mantissa": 1 << 16, "half": 0, "rate_down": 0}  # so that rates are three times their polynomials in 2^-28
     weights_at, rates_at = functions("integer weights", set(), counted).weights, functions("integer rates", set(), counted).rates
     outer = inner = between = Fraction(0)
-    for place in range(1 << 16):
-        s, (w0, w1, w2) = Fraction(place, 1 << 16), weights_at(place)
+    for tick in range(1 << 16):
+        s, (w0, w1, w2) = Fraction(tick, 1 << 16), weights_at(tick)
         outer = max(outer, abs(Fraction(w0, 1 << 15) - (1 - s) ** 3) + abs(Fraction(w2, 1 << 15) - s**3))
         inner = max(inner, abs(Fraction(w1, 1 << 14) - 3 * s - 3 * s**2 + 2 * s**3))
         exact = (1 - s) ** 2, 1 + 2 * s * (1 - s), s * s
-        errors = [abs(Fraction(r, 3) - c * (1 << 28)) for r, c in zip(rates_at(place), exact, strict=True)]
+        errors = [abs(Fraction(r, 3) - c * (1 << 28)) for r, c in zip(rates_at(tick), exact, strict=True)]
         between = max(between, sum(errors, Fraction(0)))
     require((outer + inner, between) == (WEIGHT_ERROR, RATE_ERROR), "the weights of integers are off by other constants")
 

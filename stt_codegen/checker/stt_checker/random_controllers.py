@@ -1,4 +1,4 @@
-"""Examples of controllers for meaning.py: random numbers, the listing's functions, and what docs/paper.md says that they compute."""
+"""Controllers with random numbers for meaning.py: the listing's functions, and what docs/paper.md says that these compute."""
 
 import math
 import secrets
@@ -38,7 +38,7 @@ class State(NamedTuple):
     filtered_sides: list[tuple[Fraction, Fraction]]
 
 
-class Example:
+class RandomController:
     """Random numbers of a controller with these options, its functions as Python (c), and what they compute by docs/paper.md."""
 
     def __init__(self, options: set[str]) -> None:
@@ -84,10 +84,10 @@ class Example:
         far = a + b - near
         return [log(far / near) if b < a else -log(far / near), 1 / near + 1 / far]
 
-    def state(self, u: Fraction, *places: Values) -> State:
-        """Return the state that has x, and for order 2 v + lambda x, at these places between their edges at spline time u."""
+    def state(self, u: Fraction, *positions: Values) -> State:
+        """Return the state that has x, and for order 2 v + lambda x, at these positions between their edges at spline time u."""
         values, sides = [], []
-        for edges_of, shares in zip((self.edges, self.filtered_edges), places, strict=False):
+        for edges_of, shares in zip((self.edges, self.filtered_edges), positions, strict=False):
             edges = [edges_of(u, i) for i in range(self.n)]
             values.append([low + (high - low) * p for (low, high), p in zip(edges, shares, strict=True)])
             sides.append([(v - low, high - v) for v, (low, high) in zip(values[-1], edges, strict=True)])
@@ -134,10 +134,10 @@ class Example:
                 bound[:] = [v + (0 if touching == (k, i) else (-1, 1)[k % 2]) for i, v in enumerate(values)]
             require(self.c.covered(*state.arguments) == (touching is None), "`covered` is not that all are between their bounds")
 
-    def check_transform(self, width: Fraction, place: Fraction) -> None:
+    def check_transform(self, width: Fraction, position: Fraction) -> None:
         """Compare `transform` in a tube of this width. One narrower than `narrowest` counts as that wide, about its middle."""
         low, wide = random_number(), max(width, self.numbers["narrowest"])
-        x, outputs = low + place * width, [[Fraction(0)] * self.n for _ in range(3)]
+        x, outputs = low + position * width, [[Fraction(0)] * self.n for _ in range(3)]
         a, b = (v + (wide - width) / 2 for v in (x - low, low + width - x))
         self.c.transform([low] * self.n, [low + width] * self.n, [x] * self.n, *outputs)
         for i, emitted in enumerate(zip(*outputs, strict=True)):
