@@ -1,10 +1,11 @@
 """What the listings compute, shown once: `python3 checker.pyz --meaning`. To check a controller nothing of this is needed.
 
-The functions of the listings are run as Python (translation.py), loops and calls too, on random fractions. They must give what the
-words of random_controllers.py say: the tube, the law (13), its status, margins, covered starts, the transform. Formulas that are no
-one quotient of polynomials agree at a point of 200 random bits with a probability below 2^-180. Points are drawn in all cases of the
-comparisons. With ranges and errors in place of fractions the same lines give the constants of rounding.py, and at all 2^16 places of
-a segment those of integers.py. Tests for NaN, what a cast may lose, and a u that is stored over x are for the reader's eye.
+The functions of the listings are run as Python (translation.py), loops and calls too, on random fractions. They must give what
+the words of random_controllers.py say: the tube, the law (13), its status, margins, covered starts, the transform. Formulas
+that are no one quotient of polynomials agree at a point of 200 random bits with a probability below 2^-180. Points are drawn in
+all cases of the comparisons. With ranges and errors in place of fractions the same lines give the constants of rounding.py, and
+at all 2^16 places of a segment those of integers.py. Tests for NaN, what a cast may lose, and a u that is stored over x are for
+the reader's eye.
 """
 
 import math
@@ -15,8 +16,8 @@ from typing import Any
 
 from .controller import BEND, LN_2
 from .exact import require, rounded
-from .random_controllers import RandomController, random_number
 from .integers import WEIGHT_ERROR
+from .random_controllers import RandomController, random_number
 from .rounding import EDGE, RATE
 from .translation import EPS, Inexact, functions
 
