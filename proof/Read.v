@@ -170,18 +170,17 @@ Fixpoint expect_tokens (ts l : list token) : option (list token) :=
   | _, [] => None
   end.
 Definition tokens_of_helper (s : string) : list token := match tokenize s Between [] with Some l => map (mark_task_name "p") l | None => [] end.
-Definition size_check_text (bytes : string) : string := "typedef char p_real_size[(sizeof(p_real) == " ++ bytes ++ ") ? 1 : -1];".
-Definition exponent_helper_text (word cut shift : string) : string :=
-  "static inline int32_t p_exponent(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); return (int32_t)((bits - " ++ cut ++ ") >> " ++ shift ++ "); }".
-Definition mantissa_helper_text (word cut mask : string) : string :=
-  "static inline p_real p_mantissa(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); bits = ((bits - " ++ cut ++ ") & " ++ mask ++ ") + " ++ cut ++ ";" ++
-  " p_real m; (void)memcpy(&m, &bits, sizeof m); return m; }".
+(* Printed from the checker's listing: *)
+Definition size_check_text (bytes : string) : string := ("typedef char p_real_size[(sizeof(p_real) == " ++ bytes ++ "U) ? 1 : -1];")%string.
+Definition exponent_helper_text (word cut places : string) : string := ("static inline int32_t p_exponent(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); return (int32_t)((bits - " ++ cut ++ ") >> " ++ places ++ "); }")%string.
+Definition mantissa_helper_text (word cut mask : string) : string := ("static inline p_real p_mantissa(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); bits = ((bits - " ++ cut ++ ") & " ++ mask ++ ") + " ++ cut ++ "; p_real m; (void)memcpy(&m, &bits, sizeof m); return m; }")%string.
+(* End of what is printed. *)
 (* The tokens of these three texts, in single or in double precision. *)
 Record memory_layout := MemoryLayout { size_check_tokens : list token; exponent_helper_tokens : list token; mantissa_helper_tokens : list token }.
 Definition memory_layout_of (single : bool) : memory_layout :=
   if single
-  then MemoryLayout (tokens_of_helper (size_check_text "4U")) (tokens_of_helper (exponent_helper_text "uint32_t" "0x3f3504f3U" "23")) (tokens_of_helper (mantissa_helper_text "uint32_t" "0x3f3504f3U" "0x7fffffU"))
-  else MemoryLayout (tokens_of_helper (size_check_text "8U")) (tokens_of_helper (exponent_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "52"))
+  then MemoryLayout (tokens_of_helper (size_check_text "4")) (tokens_of_helper (exponent_helper_text "uint32_t" "0x3f3504f3U" "23")) (tokens_of_helper (mantissa_helper_text "uint32_t" "0x3f3504f3U" "0x7fffffU"))
+  else MemoryLayout (tokens_of_helper (size_check_text "8")) (tokens_of_helper (exponent_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "52"))
          (tokens_of_helper (mantissa_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "0xfffffffffffffU")).
 
 (* The parser, for texts whose real literals end with `suffix`: "F" in single precision, "" in double. *)
