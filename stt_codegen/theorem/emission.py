@@ -2,9 +2,8 @@
 
     python -m stt_codegen.theorem.emission        # writes both files again, between the comments that mark what is printed
 
-The stand-alone checker requires that a C file is listing_controller.c with the numbers of its task. The theorems are about the same
-text: what stands between the marks is the listing's order 1, one definition for each function and for each piece of a body. A number
-of the listing becomes a constant of the record `constants` in Emission.v, and a condition in brackets becomes an `if` on it.
+The stand-alone checker requires that a C file is listing_controller.c with the numbers of its task. The theorems are about the
+same text: between the marks is the listing for order 1, one definition for each function and for each piece of a body. A number of the listing becomes a constant of the record `constants` in Emission.v, and a condition becomes an `if` on it.
 """
 
 from __future__ import annotations
@@ -19,14 +18,24 @@ from stt_codegen.checker.stt_checker.source import pieces
 from stt_codegen.theorem.coq import library_folder
 
 MARKS = ("(* Printed from the checker's listing: *)\n", "(* End of what is printed. *)\n")
-FUNCTION_PIECES = ("segment of a time", "segment of a tick", "basis", "edge", "error transform and law", "tube", "control", "control at a tick")
+FUNCTION_PIECES = (
+    "segment of a time",
+    "segment of a tick",
+    "basis",
+    "edge",
+    "error transform and law",
+    "tube",
+    "control",
+    "control at a tick",
+)
 SKIPPED_FUNCTIONS = ("normalized_error",)  # no theorem is about it
 SKIPPED_CONDITIONS = {"order 2", "scaled", "differences"}  # no theorem is about such a C
 UNCONDITIONAL = {"order 1", "ticks"}  # `emitted_functions` leaves out the functions of ticks
 CONDITIONS = {  # of a line: a definition of Emission.v, and what it is where the line is there
     "inline": ("has_inline_log", True), "libm": ("has_inline_log", False), "gains": ("gains_differ", True),
     "one gain": ("gains_differ", False), "clamps": ("clamp_shares_differ", True), "one clamp": ("clamp_shares_differ", False),
-    "limits": ("has_limits", True), "no limits": ("has_limits", False), "float": ("is_single", True), "double": ("is_single", False),
+    "limits": ("has_limits", True), "no limits": ("has_limits", False),
+    "float": ("is_single", True), "double": ("is_single", False),
 }  # fmt: skip
 TYPES = {"P_real": "TReal", "int32_t": "TInt", "bool": "TBool", "uint32_t": "TUnsigned"}
 RESULTS = {"void": "void", "P_real": "@real", "P_status": "@status"}
@@ -46,10 +55,14 @@ OPERANDS = {
 }  # fmt: skip
 
 
-class Item(NamedTuple):
-    """A statement in Coq's syntax, or the name of a definition with several. condition: where it is there; None for everywhere."""
+Condition = tuple[str, bool] | None  # a definition of Emission.v with the value that it needs; None for lines of every C
+Lines = Iterator[tuple[Condition, str]]
 
-    condition: tuple[str, bool] | None
+
+class Item(NamedTuple):
+    """A statement in Coq's syntax, or where is_list is set the name of a definition that has several."""
+
+    condition: Condition
     text: str
     is_list: bool = False
 
@@ -113,7 +126,7 @@ def statement(text: str) -> str:
     raise ValueError(f"the listing has {text!r}, which proof/Syntax.v does not have")
 
 
-def conditional_lines(piece: str) -> Iterator[tuple[tuple[str, bool] | None, str]]:
+def conditional_lines(piece: str) -> Lines:
     """Yield the lines of a piece that a C of order 1 may have, each with its condition. A piece within it whose brackets do not
     close in it is yielded in place."""
     for line in pieces()[piece]:
@@ -134,7 +147,7 @@ def is_closed(piece: str) -> bool:
     return text.count("{") == text.count("}")
 
 
-def block(lines: Iterator[tuple[tuple[str, bool] | None, str]]) -> list[Item]:
+def block(lines: Lines) -> list[Item]:
     """Return the statements up to the bracket that closes the block, or to the end."""
     items = list[Item]()
     for condition, text in lines:
@@ -153,27 +166,24 @@ def block(lines: Iterator[tuple[tuple[str, bool] | None, str]]) -> list[Item]:
     return items
 
 
-def inner_block(lines: Iterator[tuple[tuple[str, bool] | None, str]]) -> str:
+def inner_block(lines: Lines) -> str:
     return joined(block(lines)).replace("\n", "\n  ")
 
 
 def joined(items: list[Item]) -> str:
     """Return one list of Coq from statements, lists and conditions."""
-    parts = list[tuple[tuple[str, bool] | None, str]]()
+    parts = list[tuple[Condition, str]]()
     for (condition, is_list), group in itertools.groupby(items, lambda item: (item.condition, item.is_list)):
         texts = [item.text for item in group]
         parts.append((condition, " ++ ".join(texts) if is_list else "[\n    " + ";\n    ".join(texts) + "]"))
-    terms, k = list[str](), 0
-    while k < len(parts):
-        condition, text = parts[k]
-        k += 1
+    terms = list[str]()
+    while parts:
+        condition, text = parts.pop(0)
         if condition is not None:
-            word, wanted = condition
-            alternative = "[]"
-            if k < len(parts) and parts[k][0] == (word, not wanted):  # the lines where the condition is false follow
-                alternative = parts[k][1]
-                k += 1
-            text = f"(if {word} consts then {text} else {alternative})" if wanted else f"(if {word} consts then {alternative} else {text})"
+            word, value = condition
+            has_alternative = bool(parts) and parts[0][0] == (word, not value)  # the lines where the condition is false follow
+            texts = [text, parts.pop(0)[1] if has_alternative else "[]"]
+            text = "(if {} consts then {} else {})".format(word, *(texts if value else reversed(texts)))
         terms.append(text)
     return " ++ ".join(terms)
 
@@ -205,8 +215,8 @@ def functions(piece: str) -> Iterator[str]:
         if function in SKIPPED_FUNCTIONS:
             continue
         ticks = " (c : tick_numbers)" if " c)" in body else ""
-        parameters = "; ".join(map(parameter, parameters.split(", ")))
-        yield f'{comment}  Definition {function}_function{ticks} := Function "@{function}" "{RESULTS[result]}" [{parameters}] ({body}).\n'
+        header = f'"@{function}" "{RESULTS[result]}" [{"; ".join(map(parameter, parameters.split(", ")))}]'
+        yield f"{comment}  Definition {function}_function{ticks} := Function {header} ({body}).\n"
         comment = ""
 
 
@@ -237,20 +247,22 @@ def printed_directives() -> str:
 
 
 def printed_helpers() -> str:
-    """Return the texts of the functions that take a number's exponent and mantissa from its bits, and of the check of its size, for a
-    task whose name is p."""
+    """Return the definitions of three texts, for a task named p: the check of a number's size, and the functions that take its
+    exponent and mantissa from its bits."""
     text = " ".join(text for _, text in conditional_lines("exponent and mantissa") if not text.startswith("/*"))
     parts = re.split(r" (?=static inline )", re.sub(r"\bP_", "p_", text))
     definitions = []
-    for name, part in zip(("size_check", "exponent_helper", "mantissa_helper"), parts, strict=True):
+    for helper, part in zip(("size_check", "exponent_helper", "mantissa_helper"), parts, strict=True):
         holes = list(dict.fromkeys(re.findall(r"\$([a-z]+)", part)))
         text = coq_text(part, {hole: hole for hole in holes})
-        definitions.append(f"Definition {name}_text ({' '.join(holes)} : string) : string := {text}.\n")
+        definitions.append(f"Definition {helper}_text ({' '.join(holes)} : string) : string := {text}.\n")
     return "".join(definitions)
 
 
 def coq_text(text: str, values: dict[str, str]) -> str:
-    """Return a text of the listing as a string of Coq. values: terms for the names after $, and under "" one for the task's name."""
+    """Return a text of the listing as a string of Coq.
+
+    values: terms for the names after $, and under "" one for the task's name."""
     quoted = text.replace('"', '""')
     term = re.sub(r"\$([a-z]+)|\bP(?=[_.])", lambda hole: f'" ++ {values[hole[1] or ""]} ++ "', quoted)
     return f'("{term}")%string' if term != quoted else f'"{quoted}"'
