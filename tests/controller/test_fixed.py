@@ -88,8 +88,8 @@ def with_changed_argument(kernel: Kernel, name: str, value: int) -> Kernel:
 @pytest.mark.parametrize(
     ("kernel", "name", "value", "message"),
     [
-        ("edge", "q1_6", 20000, "q1_6: *may be|q1_6 may be"),  # beyond 32 bits
-        ("weights", "after", 10, "not of 16 bits"),  # a factor of 18 bits
+        ("edge_at", "six_q1", 20000, "six_q1: *may be|six_q1 may be"),  # beyond 32 bits
+        ("weights", "last_weight", 10, "not of 16 bits"),  # a factor of 18 bits
         ("segment", "share", 0x1FFFF, "not within 16 bits"),
         ("segment", "share", 0xFFFE, "is no mask"),
         ("segment", "segment", 9, r"coefficients\[.*\] of"),  # beyond its table
@@ -122,7 +122,7 @@ def without_clamp(program: Program, name: str) -> Program:
     return replace(program, functions=tuple(unclamped if f.name == "control" else f for f in program.functions))
 
 
-@pytest.mark.parametrize("name", ["x_near", "x_i", "off_held", "y_near", "e_width", "down"])
+@pytest.mark.parametrize("name", ["x_raised", "x_i", "offset_limited", "y_raised", "safe_width", "shift"])
 def test_without_one_of_these_clamps_a_value_may_exceed_its_type(name: str) -> None:
     with pytest.raises(OutOfRange):
         ranges(without_clamp(limited_controller("omni_s2").program, name), "control")
@@ -132,10 +132,10 @@ def test_without_one_of_these_clamps_a_value_has_another_meaning() -> None:
     """The clamp of y keeps it below 1, so that its row is one of H; the clamp of e keeps |e| within e_max."""
     program, rows = limited_controller("omni_s2").program, len(curves.reciprocal_pieces())
     law = build_integer_law(limited_controller("omni_s2").task, design_of("omni_s2"))
-    for name, row_is_of_h, e_is_clamped in (("", True, True), ("y", False, True), ("e", True, False)):
+    for name, row_is_of_h, e_is_clamped in (("", True, True), ("y_limited", False, True), ("e_limited", True, False)):
         spans = ranges(without_clamp(program, name) if name else program, "control")
-        assert (spans["rise_row"].low >= rows) == row_is_of_h
-        assert (spans["e"].high <= law.largest_e) == e_is_clamped
+        assert (spans["y_row"].low >= rows) == row_is_of_h
+        assert (spans["e_limited"].high <= law.largest_e) == e_is_clamped
 
 
 # ------------------------------------------------------------------------------------------------ the same in C and Python

@@ -15,8 +15,8 @@ from stt_codegen.controller.integers.inertial_integer_frame import InertialInteg
 from stt_codegen.controller.integers.integer_errors import require_accurate_law
 from stt_codegen.controller.integers.integer_kernels import (
     build_curve_kernel,
+    build_input_size_kernel,
     build_integer_segment_kernel,
-    build_push_kernel,
     choose_clock,
     choose_rate_scale,
 )
@@ -46,7 +46,7 @@ def fixed_program(task: Task, design: RefinedDesign) -> Program:
     if design.filter:
         rate_scale, lambda_filter = choose_rate_scale(design), IntegerLambdaFilter.of(design.filter)
         controller = InertialIntegerController(n, segment, law, smallest_width, rate_scale=rate_scale, filter=lambda_filter)
-    kernels = (*controller.time_kernels, controller.edge_kernel, build_curve_kernel(), build_push_kernel())
+    kernels = (*controller.time_kernels, controller.edge_kernel, build_curve_kernel(), build_input_size_kernel())
     start_tables = compute_covered_starts(task, design).tables("fixed", design.unit)
     tables = (_build_coefficient_table(design), *controller.tables, *build_law_tables(law), *start_tables)
     return Program(task.name, n, "fixed", tables, kernels, functions=controller.functions(task), tick=tick_period)

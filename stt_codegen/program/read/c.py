@@ -132,7 +132,11 @@ def _type_declarations(prefix: str, kind: str) -> str:
 
 
 # Helper functions of integer programs by their name in C without the prefix, each with the operation that it is.
-INTEGER_HELPERS = {"down": "ishr", "up": "ishl", "product": "product", "upper": "upper", "low": "low", "leading": "leading"}
+INTEGER_HELPERS = {
+    "shift_down": "ishr",
+    "shift_up": "ishl",
+    **{name: name for name in ("product", "high_product", "low_bits", "leading")},
+}
 
 
 @dataclass
