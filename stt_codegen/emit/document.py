@@ -14,6 +14,7 @@ from typing import Any
 
 from stt_codegen.certify import Certificate, Finding, MissionProof, PeriodProof, SlackClaim, Stretch, claims_of, cuts_of
 from stt_codegen.certify.missions import SLICES
+from stt_codegen.controller.integers import certified_constants
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design
@@ -74,6 +75,7 @@ def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[
         "start": [[int(a), int(b)] for a, b in bezier[0, :, :, 0]],
         "covers_initial_set": certificate.covers_initial_set,
         "control": _control(task),
+        **({"integers": certified_constants(task, design)} if task.emit.scalar == "fixed" else {}),
         **({"clock": _clock(task)} if task.has_timed_sets else {}),
         "claims": [_claim(claim, cuts) for claim in claims],
         **({} if certificate.mission is None else {"mission": _mission(certificate.mission, cuts)}),

@@ -1,4 +1,4 @@
-"""The tables of 1/d and of H(y) = 4 ln((2 - y)/y)/((1 - y) y (2 - y)) of a controller in integers: how far their rows are off."""
+"""The tables of 1/d and of H(y) = 4 ln((2 - y)/y)/((1 - y) y (2 - y)) in a controller in integers: how wrong their rows are."""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -20,20 +20,20 @@ class Row(NamedTuple):
 
 
 class Curves(NamedTuple):
-    """inverse_error: of 1/d, relative. steep_rows: of every row of H its relative error and its least value, as the table counts.
-    base: 2^places of the table stands for 2^(places - base)."""
+    """reciprocal_error: of 1/d, relative. h_rows: the relative error of each row of H, and its smallest value as the table counts.
+    base: a row with the entry k in the table h_shifts stands for its quadratic times 2^(k - base)."""
 
-    inverse_error: Fraction
-    steep_rows: list[Enclosure]
+    reciprocal_error: Fraction
+    h_rows: list[tuple[Fraction, Fraction]]
     base: int
 
 
-def inverse(m: Fraction) -> Enclosure:
+def scaled_reciprocal(m: Fraction) -> Enclosure:
     return (1 << 46) / m, (1 << 46) / m
 
 
 @cache
-def steep(y: Fraction) -> Enclosure:
+def h_of(y: Fraction) -> Enclosure:
     """Return H for 0 < y <= 1."""
     if y == 1:
         return Fraction(8), Fraction(8)
@@ -41,26 +41,29 @@ def steep(y: Fraction) -> Enclosure:
     return 4 * low / ((1 - y) * y * (2 - y)), 4 * high / ((1 - y) * y * (2 - y))
 
 
-def fitted(row: Row, f: Callable[[Fraction], Enclosure], begin: Fraction, length: Fraction, scale: Fraction) -> Enclosure:
-    """Return the largest relative error of a row of a curve f/scale on its piece, and the least value of f/scale there.
+def row_error(
+    row: Row, curve: Callable[[Fraction], Enclosure], begin: Fraction, length: Fraction, scale: Fraction
+) -> tuple[Fraction, Fraction]:
+    """Return the largest relative error of a row for curve/scale on its piece, and the smallest value of curve/scale there.
 
-    Let P = level - (slope - bend z) z/2 be the row, z from 0 to 1, and F = f/scale - P. On a quarter of the piece F is the
-    quadratic through its values at both ends and in the middle, within its three Bezier coefficients, and its third
-    derivative/6 times z (z - 1/2) (z - 1), which is at most 1/20. f is 2^46/m or H. Its third derivative falls in size: for
-    1/m plainly; H is 8 atanh(e)/e/(1 - e^2) with e = 1 - y, a power series in e with no negative coefficient. So a third
-    difference of values up to the quarter shows no less. What is emitted is less than 1/2 below P and less than 1 above, for
-    `bent` and `fall` are rounded down. z is rounded down too, by less than 2^-16, in which P falls by slope/2^17 or rises by
-    (2 bend - slope)/2^17 at most."""
+    Let P = level - (slope - bend z) z/2 be the row, z from 0 to 1, and F = curve/scale - P. On a quarter of the piece F is the
+    quadratic through its values at both ends and in the middle, plus its third derivative/6 times z (z - 1/2) (z - 1), which is
+    at most 1/20; the quadratic is within its three Bezier coefficients. The curve is 2^46/m or H. The size of its third
+    derivative falls: for 1/m plainly; H is 8 atanh(e)/e/(1 - e^2) with e = 1 - y, a power series in e without negative
+    coefficients. So a third difference of values up to the quarter is at least as large. What the C computes is less than 1/2
+    below P and less than 1 above, for `bend_part` and `fall` are rounded down. z is rounded down by less than 2^-16, in which P
+    falls by at most slope/2^17, or rises by at most (2 bend - slope)/2^17."""
     level, slope, bend = row
-    require(0 <= bend <= slope < 1 << 15 and slope // 2 < level < 1 << 16, "a row of the curves of the C has values out of range")
-    enclosures = {k: f(begin + length * k / 8) for k in (-6, -4, -2, *range(9))}
+    require(0 <= bend <= slope < 1 << 15 and slope // 2 < level < 1 << 16, "a row of the curves of the C is out of range")
+    enclosures = {k: curve(begin + length * k / 8) for k in (-6, -4, -2, *range(9))}
     uncertainty = 16 * max(high - low for low, high in enclosures.values()) / scale
     value = {k: low / scale for k, (low, _) in enclosures.items()}
-    off = [value[k] - level + (slope - Fraction(bend * k, 8)) * Fraction(k, 16) for k in range(9)]
+    difference = [value[k] - level + (slope - Fraction(bend * k, 8)) * Fraction(k, 16) for k in range(9)]
     lowest, highest = Fraction(0), Fraction(0)
     for k in range(0, 8, 2):
+        start, middle, end = difference[k : k + 3]
         third = abs(value[k] - 3 * value[k - 2] + 3 * value[k - 4] - value[k - 6]) / 120 + uncertainty
-        coefficients = off[k], 2 * off[k + 1] - (off[k] + off[k + 2]) / 2, off[k + 2]
+        coefficients = start, 2 * middle - (start + end) / 2, end
         lowest, highest = min(lowest, min(coefficients) - third), max(highest, max(coefficients) + third)
     above = highest + Fraction(1, 2) + Fraction(max(0, 2 * bend - slope), 1 << 17)
     smallest = value[8] - uncertainty
@@ -68,15 +71,16 @@ def fitted(row: Row, f: Callable[[Fraction], Enclosure], begin: Fraction, length
 
 
 def check_curves(tables: dict[str, list[int]]) -> Curves:
-    """Compare every row with its curve: 16 rows of 1/d, by the 4 bits behind the first, then 8 for each octave of y."""
-    rows, places = list(map(Row, tables["levels"], tables["slopes"], tables["bends"])), tables["places"]
-    lengths = {len(tables[name]) for name in ("levels", "slopes", "bends", "places")}
-    require(len(lengths) == 1 and len(places) % 8 == 0 and len(places) > 16, "the curves of the C have tables of unequal lengths")
-    inverse_error = max(fitted(rows[k], inverse, Fraction((16 + k) << 26), Fraction(1 << 26), Fraction(1))[0] for k in range(16))
-    first = steep(Fraction(1, 2))[0] / max(tables["levels"][16], 1)
-    base, steep_rows = places[16] - min(range(-64, 64), key=lambda k: abs(1 - first / Fraction(2) ** k)), []
-    for row in range(16, len(places)):
-        octave, head = divmod(row - 16, 8)
+    """Compare each row with its curve: 16 rows of 1/d, by the 4 bits after the first one, then 8 for each octave of y."""
+    rows, shifts = list(map(Row, tables["levels"], tables["slopes"], tables["bends"])), tables["h_shifts"]
+    lengths = {len(tables[name]) for name in ("levels", "slopes", "bends", "h_shifts")}
+    require(len(lengths) == 1 and len(shifts) % 8 == 0 and len(shifts) > 16, "the curves of the C have tables of unequal lengths")
+    piece = Fraction(1 << 26)
+    reciprocal_error = max(row_error(rows[k], scaled_reciprocal, (16 + k) * piece, piece, Fraction(1))[0] for k in range(16))
+    first = h_of(Fraction(1, 2))[0] / max(tables["levels"][16], 1)
+    base, h_rows = shifts[16] - min(range(-64, 64), key=lambda k: abs(1 - first / Fraction(2) ** k)), []
+    for row in range(16, len(shifts)):
+        octave, number = divmod(row - 16, 8)
         length = Fraction(1, 16 << octave)
-        steep_rows.append(fitted(rows[row], steep, (8 + head) * length, length, Fraction(2) ** (places[row] - base)))
-    return Curves(inverse_error, steep_rows, base)
+        h_rows.append(row_error(rows[row], h_of, (8 + number) * length, length, Fraction(2) ** (shifts[row] - base)))
+    return Curves(reciprocal_error, h_rows, base)

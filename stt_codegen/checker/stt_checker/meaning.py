@@ -16,7 +16,7 @@ from typing import Any
 
 from .controller import BEND, LN_2
 from .exact import require, rounded
-from .integers import WEIGHT_ERROR
+from .integers import RATE_POWER_ERROR, WEIGHT_ERROR
 from .random_controllers import RandomController, random_number
 from .rounding import EDGE, RATE
 from .translation import EPS, Inexact, functions
@@ -24,7 +24,6 @@ from .translation import EPS, Inexact, functions
 POSITIONS = tuple(
     Fraction(v) for v in ("0", "1/10000", "1/3", "1/2", "2/3", "9999/10000", "1", "-1", "3")
 )  # the edges at 0 and 1
-RATE_ERROR = Fraction(9, 4)  # of the three polynomials of an integer rate, in 2^-28
 COMBINATIONS = (  # every line of the listings in floating point is in one of them, but for the inline logarithm
     "order 1, one gain, one clamp, no limits, libm, ticks", "order 1, gains, clamps, no limits, scaled, libm",
     "order 2, one gain, one clamp, one filter, no limits, libm",
@@ -77,8 +76,10 @@ def check_rounding() -> None:
         error = edge_at(0, *getattr(functions(piece, set(), known), weights)(Inexact(0, 1))).error / EPS
         is_bound = round(error) == first and (error - round(error)) / EPS <= second
         require(is_bound, f"an edge or a rate rounds by {float(error):.6g} eps")
-    counted: dict[str, Any] = {"P_up": lambda a, n: a << n, "P_down": lambda a, n: a >> n, "P_upper": lambda a, b: a * b >> 16}
-    counted["N"] = {"mantissa": 1 << 16, "half": 0, "rate_down": 0}  # so that rates are three times their polynomials in 2^-28
+    counted: dict[str, Any] = {"P_shift_up": lambda a, n: a << n, "P_shift_down": lambda a, n: a >> n}
+    counted["P_high_product"] = lambda a, b: a * b >> 16
+    # With these constants rates are three times their polynomials in 2^-28.
+    counted["N"] = {"rate_mantissa": 1 << 16, "rate_half": 0, "rate_shift": 0}
     weights_at, rates_at = functions("integer weights", set(), counted).weights, functions("integer rates", set(), counted).rates
     outer = inner = between = Fraction(0)
     for tick in range(1 << 16):
@@ -88,7 +89,8 @@ def check_rounding() -> None:
         exact = (1 - s) ** 2, 1 + 2 * s * (1 - s), s * s
         errors = [abs(Fraction(r, 3) - c * (1 << 28)) for r, c in zip(rates_at(tick), exact, strict=True)]
         between = max(between, sum(errors, Fraction(0)))
-    require((outer + inner, between) == (WEIGHT_ERROR, RATE_ERROR), "the weights of integers are off by other constants")
+    is_bound = (outer + inner, 3 * between / (1 << 28)) == (WEIGHT_ERROR, RATE_POWER_ERROR)
+    require(is_bound, "the weights of integers are wrong by other constants")
 
 
 def main() -> int:

@@ -136,3 +136,8 @@ def integer_table(data: bytes, name: str, bits: int) -> list[int]:
     low, high = (0, 1 << bits) if bits < 32 else (-(1 << 31), 1 << 31)
     require(all(low <= int(v) < high for v in words), f"the C's table {name} has an integer that its type does not hold")
     return [int(v) for v in words]
+
+
+def entry_bits(entries: list[int]) -> int:
+    """Return the bits of the type of a table of integers: 8 or 16 where all entries fit that without a sign, else 32."""
+    return next((bits for bits in (8, 16) if all(0 <= v < 1 << bits for v in entries)), 32)

@@ -165,8 +165,18 @@ def build_law_tables(law: IntegerLaw) -> tuple[Table, ...]:
         integer_table("levels", tuple(piece.level for piece in pieces), 1, *doc),
         integer_table("slopes", tuple(piece.slope for piece in pieces), 1),
         integer_table("bends", tuple(piece.bend for piece in pieces), 1),
-        integer_table("h_shifts", (*(0 for _ in reciprocals), *law.h_shifts), 1, "By row: H is its quadratic times 2 to this power, and a common one."),
+        integer_table(
+            "h_shifts",
+            (*(0 for _ in reciprocals), *law.h_shifts),
+            1,
+            "By row: H is its quadratic times 2 to this power, and a common one.",
+        ),
         integer_table("gains", law.gain_mantissas, n, "By component: the gain, 16 bits of it."),
-        integer_table("shift_offsets", law.shift_offsets, n, "The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row."),
+        integer_table(
+            "shift_offsets",
+            law.shift_offsets,
+            n,
+            "The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row.",
+        ),
         integer_table("limits", law.u_limits, n, "The largest |u|."),
     )

@@ -52,6 +52,30 @@ def fixed_program(task: Task, design: RefinedDesign) -> Program:
     return Program(task.name, n, "fixed", tables, kernels, functions=controller.functions(task), tick=tick_period)
 
 
+def certified_constants(task: Task, design: RefinedDesign) -> dict[str, int]:
+    """Return the constants of the emitted arithmetic by name, as the certificate states them for a checker (`integers`)."""
+    assert task.emit.tick_period is not None  # task/checks/field_checks.py
+    clock, law = choose_clock(design, task.emit.tick_period), build_integer_law(task, design)
+    constants = {
+        "clock_bits": clock.bits,
+        "clock_scale": clock.scale,
+        "smallest_width": law.smallest_width,
+        "largest_e": law.largest_e,
+        "smallest_y": law.smallest_y,
+        "u_bits": law.u_bits,
+    }
+    if not design.filter:
+        return constants
+    rate_scale = choose_rate_scale(design)
+    return constants | {
+        "smallest_x_width": law_width(smallest_widths(design)[0] / design.unit),
+        "rate_mantissa": rate_scale.mantissa,
+        "rate_shift": rate_scale.product_shift,
+        "rate_bits": rate_scale.weight_bits,
+        "filter_bits": IntegerLambdaFilter.of(design.filter).bits,
+    }
+
+
 def _build_coefficient_table(design: RefinedDesign) -> Table:
     """Build the table of control points, in units of x; a row has the lower and the upper edge of each dimension."""
     entries = tuple(v for row in design.table for pair in row for v in pair)

@@ -156,6 +156,11 @@ class RateScale:
     mantissa: int
     shift: int
 
+    @property
+    def product_shift(self) -> int:
+        """The shift of a power's high product with the mantissa down to units of a weight."""
+        return POWER_BITS - 16 + self.shift - self.weight_bits
+
 
 def choose_rate_scale(design: RefinedDesign) -> RateScale:
     """Choose as many bits for the weights as 16-bit numbers hold: the outer two are at most 3 segments per second each.
@@ -189,8 +194,7 @@ def build_rate_weights_kernel(rate_scale: RateScale) -> Kernel:
         """Write statements for 3 times the value times the segments per second, in 2^-weight_bits."""
         tripled = b.op(f"{label}_tripled", "imul", value, integer(3))
         per_second = b.op(f"{label}_per_second", "high_product", tripled, integer(rate_scale.mantissa))
-        shift = POWER_BITS - 16 + rate_scale.shift - rate_scale.weight_bits
-        return _write_rounded_shift(b, label, f"{label}_weight", per_second, shift)
+        return _write_rounded_shift(b, label, f"{label}_weight", per_second, rate_scale.product_shift)
 
     outputs = {
         "r0": write_weight("first", first_raised),
@@ -241,7 +245,9 @@ def build_edge_and_rate_kernel(n: int, rate_scale: RateScale) -> Kernel:
     edge = _write_edge(b, second_point, steps, (w0, w1, w2))
     weight_bits = integer(rate_scale.weight_bits)
     middle = b.op("middle_rate", "ishr", b.op("d1_per_second", "product", steps[1], r1), weight_bits)
-    outer = b.op("outer_sum", "iadd", b.op("d0_per_second", "product", steps[0], r0), b.op("d2_per_second", "product", steps[2], r2))
+    outer = b.op(
+        "outer_sum", "iadd", b.op("d0_per_second", "product", steps[0], r0), b.op("d2_per_second", "product", steps[2], r2)
+    )
     rate = b.op("value_rate", "iadd", middle, b.op("outer_rate", "ishr", outer, weight_bits))
     doc = "An edge of the tube, and its rate in units a second, by the steps about it."
     return _kernel("edge_at", inputs, b, {"edge": edge, "rate": rate}, doc)
