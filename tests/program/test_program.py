@@ -174,7 +174,16 @@ def test_the_bank_covers_every_opcode_and_operation() -> None:
         "int",
         "tlt",
     }  # tests/program/test_logarithm.py, tests/controller/test_ticks.py
-    in_other_tests |= {"ishr", "ishl", "high_product", "low_bits", "leading", "product", "short", "ineg"}  # tests/controller/test_fixed.py
+    in_other_tests |= {
+        "ishr",
+        "ishl",
+        "high_product",
+        "low_bits",
+        "leading",
+        "product",
+        "short",
+        "ineg",
+    }  # tests/controller/test_fixed.py
     assert used | in_frames | in_other_tests == set(OPERATIONS)
     assert set(direct_opcodes()) <= opcodes | {"OP_CONSTPOW"}
     assert {"OP_TWICE", "OP_SQ", "OP_INV", "OP_SIGN", "OP_FMIN", "OP_FMAX", "OP_IF_ELSE_ZERO"} <= opcodes

@@ -20,8 +20,8 @@ class Row(NamedTuple):
 
 
 class Curves(NamedTuple):
-    """reciprocal_error: of 1/d, relative. h_rows: the relative error of each row of H, and its smallest value as the table counts.
-    base: a row with the entry k in the table h_shifts stands for its quadratic times 2^(k - base)."""
+    """reciprocal_error: the relative error of 1/d. h_rows: by row of H its relative error, and its smallest value in the table's
+    units. base: a row with the entry k in the table h_shifts stands for its quadratic times 2^(k - base)."""
 
     reciprocal_error: Fraction
     h_rows: list[tuple[Fraction, Fraction]]
