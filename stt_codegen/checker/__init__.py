@@ -6,7 +6,7 @@ zip of both is `checker.pyz`. theorem/, tests and benchmarks import it from here
 
 from pathlib import Path
 
-from stt_codegen.checker.stt_checker.main import main as check_files
+from stt_codegen.checker.stt_checker import check_files
 
 FOLDER = Path(__file__).parent  # `python3 -I FOLDER TASK C CERTIFICATE` runs it as a program of its own
 

@@ -5,6 +5,6 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))  # for `python3 -I`, which does not add it
 
-from stt_checker.main import main  # type: ignore[import-not-found]
+from stt_checker import check_files  # type: ignore[import-not-found]
 
-sys.exit(main(sys.argv[1:]))
+sys.exit(check_files(sys.argv[1:]))

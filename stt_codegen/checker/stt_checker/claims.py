@@ -85,7 +85,7 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     if task.period is not None:
         _check_sampling(task, tube, certificate["sampled"], law)
     _check_files(task, certificate["sha256"], text, folder)
-    _check_listings(task, tube, law, certificate, (text, folder), target)
+    _check_listings(task, tube, law, certificate, (text, folder), target=target)
     properties = {"P1 to " + ("P8" if task.proves_limits else "P7"): True, "P9": task.period, "P10": "mission" in task.document}
     proved = " and ".join(name for name, is_proved in properties.items() if is_proved)
     return f"{proved} hold, and the C is the listing of this tube and this law; {segments} segments, {task.n} dimensions"
@@ -218,7 +218,7 @@ def _check_files(task: Task, hashes: dict[str, str], text: bytes, folder: Path) 
         require(is_same, f"{file} is not that of the certificate (SHA-256)")
 
 
-def _check_listings(task: Task, tube: Any, law: Law, certificate: Any, c: tuple[bytes, Path], target: Any) -> None:
+def _check_listings(task: Task, tube: Any, law: Law, certificate: Any, c: tuple[bytes, Path], *, target: Any) -> None:
     """Require that the C, the header and the small files are the listings, filled with the numbers of task and certificate. c:
     the text of the C, and the folder of the files beside it."""
     files, beside = _files_of(task, certificate["sha256"])
