@@ -2,14 +2,13 @@
 
 import hashlib
 import json
-import re
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from . import controller, inertia, limits, period, source
 from . import tube as tubes
-from .exact import require, rounded, units_above
+from .exact import Numbers, fractions, integers, require, rounded, units_above
 from .law import Law
 from .rounding import arithmetic_error
 from .starts import covered_starts
@@ -22,20 +21,6 @@ LAW_ERROR = {  # by scalar and whether the logarithm is inline, see docs/certifi
 }  # fmt: skip
 KEYS = "format task certified design method order scalar sha256 grid edge_error speed start covers_initial_set control claims"
 OTHER_LANGUAGES = (".rs",)  # files of which nothing is known but their hash; the task has to ask for them
-Numbers = list[Fraction]
-
-
-def fractions(values: Any, n: int) -> Numbers:
-    """Return n fractions of the certificate, written as "p/q"."""
-    is_list = isinstance(values, list) and len(values) == n and all(isinstance(v, str) for v in values)
-    require(is_list and all(re.fullmatch(r"-?\d+(/[1-9]\d*)?", v, re.ASCII) for v in values), "a claim has no list of fractions")
-    return [Fraction(v) for v in values]
-
-
-def integers(values: Any, n: int) -> list[int]:
-    """Return n whole numbers of the certificate."""
-    require(isinstance(values, list) and [type(v) for v in values] == [int] * n, "a claim has no list of whole numbers")
-    return values
 
 
 def same(value: Any, wanted: Any) -> bool:

@@ -1,10 +1,13 @@
 """What every file of the checker uses: the two ways to say no, the numbers of a task, and rounding to a scalar."""
 
 import math
+import re
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
+
+Numbers = list[Fraction]
 
 
 class Refused(Exception):
@@ -55,4 +58,17 @@ def numbers(value: Any, n: int) -> list[Fraction]:
     values = [number(v) for v in (value if isinstance(value, list) else [value] * n)]
     if len(values) != n:
         raise Unusable(f"the task has {len(values)} numbers where {n} are needed")
+    return values
+
+
+def fractions(values: Any, n: int) -> Numbers:
+    """Return n fractions of the certificate, written as "p/q"."""
+    is_list = isinstance(values, list) and len(values) == n and all(isinstance(v, str) for v in values)
+    require(is_list and all(re.fullmatch(r"-?\d+(/[1-9]\d*)?", v, re.ASCII) for v in values), "a claim has no list of fractions")
+    return [Fraction(v) for v in values]
+
+
+def integers(values: Any, n: int) -> list[int]:
+    """Return n whole numbers of the certificate."""
+    require(isinstance(values, list) and [type(v) for v in values] == [int] * n, "a claim has no list of whole numbers")
     return values

@@ -538,9 +538,9 @@ void P_transform(const P_real lower[M_N], const P_real upper[M_N], const P_real 
         const P_real b = upper_nearer ? to_nearer : to_farther;
         const P_real e_i = P_normalized_error(a, b, safe_width);
         const P_real e_max_i = P_e_max[i];  [clamps]
-        const P_real e_min = -e_max_i;  [clamps]
-        const bool e_above = e_min < e_i;  [clamps]
-        const P_real e_raised = e_above ? e_i : e_min;  [clamps]
+        const P_real e_max_minus = -e_max_i;  [clamps]
+        const bool e_above = e_max_minus < e_i;  [clamps]
+        const P_real e_raised = e_above ? e_i : e_max_minus;  [clamps]
         const bool e_beyond = e_max_i < e_raised;  [clamps]
         const P_real e_limited = e_beyond ? e_max_i : e_raised;  [clamps]
         const bool e_above = $e_max_minus < e_i;  [one clamp]

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
-from .exact import require
+from .exact import Numbers, fractions, integers, require
 from .sets import Obstacle, euclidean_norm
 
 Piece = list[tuple[list, list]]  # by dimension the four Bezier coefficients of the lower and of the upper edge
@@ -76,17 +76,19 @@ def by_segment(begin: int, stop: int, cuts: int) -> Iterator[tuple[int, int]]:
     return itertools.pairwise([begin, *range((begin // cuts + 1) * cuts, stop, cuts), stop])
 
 
-def normals_of(hints: Any, begin: int, stop: int, cuts: int) -> Iterator[tuple[int, int, list[int], list[Fraction]]]:
-    """Read the hints of a claim: stretches without a gap from begin to stop, each with a normal and perhaps multipliers. Yield
+def normals_of(claim: Any, n: int, cuts: int) -> Iterator[tuple[int, int, list[int], Numbers]]:
+    """Read the hints of a claim: stretches without a gap over its interval, each with a normal and perhaps multipliers. Yield
     them segment by segment."""
-    at = begin
+    (at, stop), hints = claim["on"], claim.get("hints")
     require(isinstance(hints, list) and bool(hints), "a claim to avoid a set has no hints")
-    for first, last, normal, *multipliers in hints:
-        require(type(first) is type(last) is int and at == first <= last, "the hints leave a gap in time, or are in no order")
-        require(all(type(c) is int for c in normal) and any(normal), "a hint has no normal of whole numbers")
-        at = last
+    for first, last, normal, *more in hints:
+        require(type(first) is type(last) is int and at == first <= last <= stop, "the hints leave a gap, or are in no order")
+        is_hint = any(integers(normal, n)) and len(more) <= 1 and all(isinstance(v, list) for v in more)
+        require(is_hint, "a hint is not two times, a normal and perhaps multipliers")
+        multipliers = [y for values in more for y in fractions(values, len(values))]
         for a, b in by_segment(first, last, cuts):
-            yield a, b, normal, [Fraction(v) for v in multipliers[0]] if multipliers else []
+            yield a, b, normal, multipliers
+        at = last
     require(at == stop, "the hints leave a gap in time")
 
 
@@ -94,9 +96,7 @@ def avoids(task: Any, tube: Tube, obstacle: Obstacle, claim: Any, cuts: int) -> 
     """Return whether the tube is beyond a set along the normals of the hints, by the clearance and the margin. Where the set
     moves this is asked for each part of a piece in which no motion turns."""
     seconds = task.t_c / (tube.segments * cuts)  # of a part of a segment
-    begin, stop = claim["on"]
-    for a, b, normal, multipliers in normals_of(claim.get("hints"), begin, stop, cuts):
-        require(len(normal) == task.n, "a hint has a normal of another dimension")
+    for a, b, normal, multipliers in normals_of(claim, task.n, cuts):
         size, piece = sum(map(abs, normal)), tube.part(a, b, cuts)
         needed = (obstacle.largest_height(normal, multipliers) + size * task.clearance) / tube.unit + claim["margin"] * size
         heights = [sum(c * piece[i][c < 0][k] for i, c in enumerate(normal) if c) for k in range(4)]
