@@ -25,7 +25,7 @@ from typing import Any
 
 from . import source
 from .curves import check_curves, h_of
-from .exact import Unusable, require
+from .exact import Unusable, require, rounded
 from .inertia import filtered_tube, widths
 from .law import Law
 from .limits import emitted_limits
@@ -213,6 +213,6 @@ class Integers:
             "entries": len(tables["coefficients"]), "rows": len(tables["h_shifts"]), "largest_x": self.largest_x,
             "tick_end": (tube.segments << stated["clock_bits"]) - 1, "fine_shift": stated["clock_bits"] - 16,
             "rate_half": 1 << stated.get("rate_shift", 1) - 1, "filter_scale": 1 << 16 - stated.get("filter_bits", 16),
-            "share": source.rounded(task.start_share, 53, math.floor), "ticks_proved": int((task.period or 0) / task.tick),
+            "share": rounded(task.start_share, 53, math.floor), "ticks_proved": int((task.period or 0) / task.tick),
             "ticks_a_second": f"INT32_C({numerator})" if denominator == 1 else f"({numerator}.0 / {denominator}.0)",
         }  # fmt: skip

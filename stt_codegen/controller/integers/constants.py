@@ -77,7 +77,7 @@ class IntegerLaw:
     def u_bits(self) -> int:
         """The largest number of bits of u's fraction with which |u| below u_max is computed without an upward shift.
 
-        The kernel `input_size` only shifts its product down. A product that would have to be shifted up must therefore be beyond u_max already.
+        The kernel `input_size` only shifts its product down. So a product that would have to be shifted up must be beyond u_max.
         Raises `BadInput` where some u_max then has fewer than 20 bits."""
         width_shift = 31 - self.smallest_width.bit_length()  # of the narrowest tube
         largest_bits = 30 - math.ceil(math.log2(max(self.u_max)))

@@ -1,10 +1,10 @@
 """Exact bounds on the errors of a controller in integers: of its edges (P7), and of its law against (13).
 
 *Edges.* The position of a tick is wrong by the roundings of the length of a tick and of its multiple, and by the bits that s
-lacks. The kernel of the weights is the same in every controller and s has 2^16 values, so the errors of the weights are constants:
-WEIGHT_ERROR. A step times its weight is exact, and two sums of these products are rounded down. The bounds here are those that
-the checker computes (checker/stt_checker/integers.py), because a claim may not be a unit smaller; tests derive WEIGHT_ERROR and
-the bound of `rate_weight_error` from the kernels, for every s.
+lacks. The kernel of the weights is the same in every controller, and s has 2^16 values; so the error of the weights is constant:
+WEIGHT_ERROR. A step times its weight is exact, and two sums of these products are rounded down. The checker computes the same
+bounds (checker/stt_checker/integers.py), because no claim may be a unit smaller than its bound. Tests derive WEIGHT_ERROR and the
+bound of `rate_weight_error` from the kernels, for every s.
 
 *Rates.* The powers of s that rates need are cut to 2^-28, and the number of segments in a second to a mantissa of 16 bits; each
 product of both is rounded down, and then to the nearest unit of a weight.
@@ -75,8 +75,8 @@ def edge_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:
 def rate_weight_error(rate_scale: RateScale, segments_per_second: Fraction) -> Fraction:
     """Bound the sum of the errors of the three weights of a rate, in steps a second.
 
-    The exact weights are 3 (1 - s)^2, 3 + 6 s (1 - s) and 3 s^2, with the sum 6, times `segments_per_second`. s^2 is cut by at most
-    9/16 of 2^-28, which makes the three powers wrong by 9/4 of 2^-28 in all."""
+    The exact weights are 3 (1 - s)^2, 3 + 6 s (1 - s) and 3 s^2, with the sum 6, times `segments_per_second`. s^2 is cut by at
+    most 9/16 of 2^-28, which makes the three powers wrong by 9/4 of 2^-28 in all."""
     emitted = rate_scale.mantissa / Fraction(2) ** rate_scale.shift
     rounding = (Fraction(1, 2) + Fraction(1, 1 << rate_scale.product_shift)) / (1 << rate_scale.weight_bits)
     return 6 * abs(emitted - segments_per_second) + RATE_POWER_ERROR * emitted + 3 * rounding

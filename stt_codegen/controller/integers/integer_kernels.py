@@ -289,6 +289,6 @@ def build_input_size_kernel() -> Kernel:
     e, h, reciprocal, gain, shift, limit = inputs = _integer_variables(*names)
     b = Block({*names})
     over_width = b.op("over_width", "high_product", b.op("e_times_h", "high_product", e, h), reciprocal)
-    unlimited = b.op("unlimited", "ishr", b.op("with_gain", "high_product", over_width, gain), shift)
+    unlimited = b.op("unlimited", "ishr", b.op("unshifted", "high_product", over_width, gain), shift)
     size = write_at_most(b, "limit", "size", unlimited, limit)
     return _kernel("input_size", inputs, b, {"size": size}, "|u|: gain e H/d, at most `limit`.")

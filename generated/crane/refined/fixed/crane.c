@@ -649,8 +649,8 @@ static inline int32_t crane_input_size(int32_t e, int32_t h, int32_t reciprocal,
 {
     const int32_t e_times_h = crane_high_product(e, h);
     const int32_t over_width = crane_high_product(e_times_h, reciprocal);
-    const int32_t with_gain = crane_high_product(over_width, gain);
-    const int32_t unlimited = crane_shift_down(with_gain, shift);
+    const int32_t unshifted = crane_high_product(over_width, gain);
+    const int32_t unlimited = crane_shift_down(unshifted, shift);
     const bool limit_under = unlimited < limit;
     const int32_t size = limit_under ? unlimited : limit;
     return size;

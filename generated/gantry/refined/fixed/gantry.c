@@ -590,8 +590,8 @@ static inline int32_t gantry_input_size(int32_t e, int32_t h, int32_t reciprocal
 {
     const int32_t e_times_h = gantry_high_product(e, h);
     const int32_t over_width = gantry_high_product(e_times_h, reciprocal);
-    const int32_t with_gain = gantry_high_product(over_width, gain);
-    const int32_t unlimited = gantry_shift_down(with_gain, shift);
+    const int32_t unshifted = gantry_high_product(over_width, gain);
+    const int32_t unlimited = gantry_shift_down(unshifted, shift);
     const bool limit_under = unlimited < limit;
     const int32_t size = limit_under ? unlimited : limit;
     return size;

@@ -501,8 +501,8 @@ def _input_size(e, h, reciprocal, gain, shift, limit):
     """|u|: gain e H/d, at most `limit`."""
     e_times_h = e * h >> 16
     over_width = e_times_h * reciprocal >> 16
-    with_gain = over_width * gain >> 16
-    unlimited = with_gain >> shift
+    unshifted = over_width * gain >> 16
+    unlimited = unshifted >> shift
     limit_under = unlimited < limit
     size = unlimited if limit_under else limit
     return size

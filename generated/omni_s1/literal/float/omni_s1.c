@@ -537,27 +537,27 @@ void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * 
         const omni_s1_real psi_high = rho_high - beta_low;
         omni_s1_real low_p;
         omni_s1_real low_q;
-        omni_s1_real low_rest2;
-        omni_s1_real low_z0;
-        omni_s1_implicit_start(psi_low, alpha_low, h, 0.01F, 5.0F, 1.0F, 100.0F, &low_p, &low_q, &low_rest2, &low_z0);
-        omni_s1_real low_z = low_z0;
+        omni_s1_real low_theta_rest;
+        omni_s1_real low_z_start;
+        omni_s1_implicit_start(psi_low, alpha_low, h, 0.01F, 5.0F, 1.0F, 100.0F, &low_p, &low_q, &low_theta_rest, &low_z_start);
+        omni_s1_real low_z = low_z_start;
         for (int32_t low_k = 0; low_k < 7; ++low_k) {
             const omni_s1_real low_z_next = omni_s1_newton(low_p, low_q, low_z);
             low_z = low_z_next;
         }
-        const omni_s1_real alpha_low_out = omni_s1_implicit_end(low_q, low_rest2, low_z);
+        const omni_s1_real alpha_low_out = omni_s1_implicit_end(low_q, low_theta_rest, low_z);
         alpha[i] = alpha_low_out;
         omni_s1_real high_p;
         omni_s1_real high_q;
-        omni_s1_real high_rest;
-        omni_s1_real high_z0;
-        omni_s1_implicit_start(psi_high, alpha_high, h, 0.01F, 5.0F, 1.0F, 100.0F, &high_p, &high_q, &high_rest, &high_z0);
-        omni_s1_real high_z = high_z0;
+        omni_s1_real high_theta_rest;
+        omni_s1_real high_z_start;
+        omni_s1_implicit_start(psi_high, alpha_high, h, 0.01F, 5.0F, 1.0F, 100.0F, &high_p, &high_q, &high_theta_rest, &high_z_start);
+        omni_s1_real high_z = high_z_start;
         for (int32_t high_k = 0; high_k < 7; ++high_k) {
             const omni_s1_real high_z_next = omni_s1_newton(high_p, high_q, high_z);
             high_z = high_z_next;
         }
-        const omni_s1_real alpha_high_out = omni_s1_implicit_end(high_q, high_rest, high_z);
+        const omni_s1_real alpha_high_out = omni_s1_implicit_end(high_q, high_theta_rest, high_z);
         const int32_t high_out_at = i + 2;
         alpha[high_out_at] = alpha_high_out;
     }
@@ -577,9 +577,9 @@ void omni_s1_alpha_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 4; ++j2) {
-            rate[j2] = (omni_s1_real)NAN;
-            jacobian[j2] = (omni_s1_real)NAN;
+        for (int32_t m = 0; m < 4; ++m) {
+            rate[m] = (omni_s1_real)NAN;
+            jacobian[m] = (omni_s1_real)NAN;
         }
         return;
     }
@@ -659,9 +659,9 @@ void omni_s1_tube(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N], omni_
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            lower[j2] = (omni_s1_real)NAN;
-            upper[j2] = (omni_s1_real)NAN;
+        for (int32_t m = 0; m < 2; ++m) {
+            lower[m] = (omni_s1_real)NAN;
+            upper[m] = (omni_s1_real)NAN;
         }
         return;
     }
@@ -732,9 +732,9 @@ void omni_s1_tube_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            lower_rate[j2] = (omni_s1_real)NAN;
-            upper_rate[j2] = (omni_s1_real)NAN;
+        for (int32_t m = 0; m < 2; ++m) {
+            lower_rate[m] = (omni_s1_real)NAN;
+            upper_rate[m] = (omni_s1_real)NAN;
         }
         return;
     }
@@ -834,8 +834,8 @@ omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real alpha[2 * OMNI
     const bool finite = x_zeros <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0F;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0F;
         }
         return OMNI_S1_BAD_INPUT;
     }
@@ -1024,8 +1024,8 @@ void omni_s1_margins(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N], co
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            margin[j2] = (omni_s1_real)NAN;
+        for (int32_t m = 0; m < 2; ++m) {
+            margin[m] = (omni_s1_real)NAN;
         }
         return;
     }

@@ -492,19 +492,19 @@ def alpha_step(t, dt, alpha):
         alpha_high = alpha_high_raised if alpha_high_small else 41.0
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
-        low_p, low_q, low_rest, low_z0 = _implicit_start(psi_low, alpha_low, h, 0.009999999776482582, 5.0, 1.0, 100.0)
-        low_z = low_z0
+        low_p, low_q, low_theta_rest, low_z_start = _implicit_start(psi_low, alpha_low, h, 0.009999999776482582, 5.0, 1.0, 100.0)
+        low_z = low_z_start
         for low_k in range(7):
             low_z_next = _newton(low_p, low_q, low_z)
             low_z = low_z_next
-        alpha_low_out = _implicit_end(low_q, low_rest, low_z)
+        alpha_low_out = _implicit_end(low_q, low_theta_rest, low_z)
         alpha[i] = alpha_low_out
-        high_p, high_q, high_rest2, high_z0 = _implicit_start(psi_high, alpha_high, h, 0.009999999776482582, 5.0, 1.0, 100.0)
-        high_z = high_z0
+        high_p, high_q, high_theta_rest, high_z_start = _implicit_start(psi_high, alpha_high, h, 0.009999999776482582, 5.0, 1.0, 100.0)
+        high_z = high_z_start
         for high_k in range(7):
             high_z_next = _newton(high_p, high_q, high_z)
             high_z = high_z_next
-        alpha_high_out = _implicit_end(high_q, high_rest2, high_z)
+        alpha_high_out = _implicit_end(high_q, high_theta_rest, high_z)
         high_out_at = i + 2
         alpha[high_out_at] = alpha_high_out
     return tuple(alpha)
@@ -528,9 +528,9 @@ def alpha_rate(t, alpha):
     finite = zero <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(4):
-            rate[j2] = math.nan
-            jacobian[j2] = math.nan
+        for m in range(4):
+            rate[m] = math.nan
+            jacobian[m] = math.nan
         return tuple(rate), tuple(jacobian)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -607,9 +607,9 @@ def tube(t, alpha):
     finite = zero <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(2):
-            lower[j2] = math.nan
-            upper[j2] = math.nan
+        for m in range(2):
+            lower[m] = math.nan
+            upper[m] = math.nan
         return tuple(lower), tuple(upper)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -681,9 +681,9 @@ def tube_rate(t, alpha):
     finite = zero <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(2):
-            lower_rate[j2] = math.nan
-            upper_rate[j2] = math.nan
+        for m in range(2):
+            lower_rate[m] = math.nan
+            upper_rate[m] = math.nan
         return tuple(lower_rate), tuple(upper_rate)
     held = _hold(t, 9.0)
     sigma, sigma_rate = _profile_rate(held, 9.0)
@@ -773,8 +773,8 @@ def control(t, alpha, x):
     finite = x_zeros <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(2):
-            u[j2] = 0.0
+        for m in range(2):
+            u[m] = 0.0
         return BAD_INPUT, tuple(u)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -961,8 +961,8 @@ def margins(t, alpha, x):
     finite = zero <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(2):
-            margin[j2] = math.nan
+        for m in range(2):
+            margin[m] = math.nan
         return tuple(margin)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
