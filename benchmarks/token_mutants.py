@@ -175,17 +175,17 @@ def is_accurate_curve_row(mutant: TokenMutant, task: str) -> bool:
     text = changed_files(mutant, task)[mutant.file].decode()
     tables = {
         name: list(map(int, body.split(",")))
-        for name, body in re.findall(r"const uint\d+_t \w+_(levels|slopes|bends|places)\[\d+\] \w+ = \{([\d,\s]*)\}", text)
+        for name, body in re.findall(r"const uint\d+_t \w+_(levels|slopes|bends|h_shifts)\[\d+\] \w+ = \{([\d,\s]*)\}", text)
     }
     if len(tables) < 4 or not re.fullmatch(r"\d+", mutant.token + mutant.replacement) or not re.fullmatch(r"\d+,?", mutant.line):
         return False
     t = np.arange(1 << 16)
-    level, slope, bend, places = (np.array(tables[name])[:, None] for name in ("levels", "slopes", "bends", "places"))
+    level, slope, bend, shifts = (np.array(tables[name])[:, None] for name in ("levels", "slopes", "bends", "h_shifts"))
     value = level - ((slope - (bend * t >> 16)) * t >> 17)
     row, position = np.arange(len(level))[:, None], (t + 0.5) / (1 << 16)  # position: in the row, from 0 to 1
     reciprocal = 2.0**16 / (1 + (row[:16] + position) / 16)
     e = 1 - (8 + (row[16:] - 16) % 8 + position) / 2.0 ** (4 + (row[16:] - 16) // 8)
-    h = 8 * np.arctanh(e) / (e * (1 - e * e)) * 2.0 ** (places[16] - places[16:])
+    h = 8 * np.arctanh(e) / (e * (1 - e * e)) * 2.0 ** (shifts[16] - shifts[16:])
     exact = np.concatenate([reciprocal, h * 2.0 ** np.round(np.log2(level[16] / h[0, 0]))])
     return bool((value >= 0).all() and (value < 1 << 16).all() and (np.abs(value / exact - 1) < 2.0**-11).all())
 
