@@ -20,11 +20,13 @@ CHOICES = (
 
 
 def is_possible(alternatives: tuple[str, ...]) -> bool:
-    """Return whether a task can have these options: u is scaled for order 1 alone, velocities and filters are of order 2."""
+    """Return whether a task can have these options.
+
+    u is scaled for order 1 and one gain alone. Velocities by differences need u_max, and these and filters order 2."""
     options = {word for alternative in alternatives for word in alternative.split("+")}
     if "order 2" in options:
-        return "scaled" not in options
-    return "differences" not in options and "filters" not in options
+        return "scaled" not in options and ("differences" not in options or "limits" in options)
+    return not options & {"differences", "filters"} and not {"scaled", "gains"} <= options
 
 
 def all_combinations() -> Iterator[tuple[str, ...]]:
