@@ -18,6 +18,7 @@ import pytest
 from benchmarks import token_mutants
 from stt_codegen.checker import FOLDER
 from stt_codegen.checker.stt_checker.task import Task
+from stt_codegen.task import parse_task
 from tests.support.checked_files import (
     REFUSED,
     UNUSABLE,
@@ -29,7 +30,7 @@ from tests.support.checked_files import (
     with_text,
     write_files,
 )
-from tests.support.controllers import NAMES, ROOT, controller_of
+from tests.support.controllers import NAMES, ROOT, build_once, controller_of
 
 RECORDED = sorted(path.parent.relative_to(ROOT).parts for path in ROOT.glob("generated/*/refined/*/*.certificate.json"))
 
@@ -93,6 +94,14 @@ def test_checker_and_tool_compute_the_same_digest_of_a_task() -> None:
     for name in NAMES:
         data = (ROOT / "tasks" / f"{name}.toml").read_bytes()
         assert Task(data).digest == controller_of(name).task.digest
+
+
+@pytest.mark.parametrize("name", ["M_x", "P_x", "M", "P"])
+def test_a_task_may_be_named_like_the_listings_own_names(name: str, tmp_path: Path) -> None:
+    """The listing has P_ for the task's name, and M_ for the same in capitals."""
+    text = (ROOT / "tasks" / "empty.toml").read_text().replace('name = "empty"', f'name = "{name}"')
+    files = {**build_once(parse_task(text)).files, "task.toml": text.encode()}
+    assert verdict(files, tmp_path).code == VERIFIED
 
 
 def test_comments_spaces_and_spelling_of_numbers_are_free(tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ def fill(name: str, options: set[str], task_name: str, values: dict[str, Any]) -
 
     require(re.fullmatch(r"[A-Za-z_]\w*", task_name, re.ASCII) is not None, "the task's name is no word")
     text = "\n".join(chosen_lines(name, options, values.get("closed", ())))
-    text = re.sub(r"\bM_", task_name.upper() + "_", re.sub(r"\bP(?=[_.])", task_name, text))
+    text = re.sub(r"\bP(?=[_.])|\bM(?=_)", lambda match: task_name if match[0] == "P" else task_name.upper(), text)
     return tokens(re.sub(r"\$([a-z]\w*?)(?=U?\b)", value_of, text))
 
 
