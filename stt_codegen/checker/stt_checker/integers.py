@@ -55,7 +55,11 @@ class Integers:
         self.task, self.stated, self.largest_x = task, stated, 1 << (28 if task.order == 1 else 26)
         names = {*CONSTANTS.split(), *(CONSTANTS_OF_ORDER_2.split() if task.order == 2 else ())}
         has_integers = type(stated) is dict and {*stated} == names and all(type(v) is int for v in stated.values())
-        require(has_integers and abs(stated["u_bits"]) < 64, "the certificate's `integers` is unknown")
+        require(has_integers, "the certificate's `integers` is unknown")
+        is_inside = 16 <= stated["clock_bits"] < 31 and abs(stated["u_bits"]) < 64
+        if task.order == 2:
+            is_inside &= 0 < stated["rate_shift"] < 31 and 0 <= stated["rate_bits"] < 31 and stated["filter_bits"] in (14, 15, 16)
+        require(is_inside, "a number of bits or a shift of the certificate's `integers` is out of range")
         self.tables = {name: source.integer_table(text, f"{task.name}_{name}", bits) for name, bits in TABLES.items()}
         self.tables["coefficients"] = source.integer_table(text, f"{task.name}_coefficients", 32)
         by_component = ["gains", "shift_offsets", "limits"]
@@ -73,7 +77,7 @@ class Integers:
         unit; its multiple is rounded down, and kept a unit before the end; s has 16 bits of it."""
         task, bits, scale = self.task, self.stated["clock_bits"], self.stated["clock_scale"]
         length, self.last = task.tick * tube.segments / task.t_c, math.ceil(task.t_c / task.tick)
-        is_clock = 16 <= bits < 31 and scale > 0 and abs(scale - length * 2 ** (bits + 16)) <= Fraction(1, 2)
+        is_clock = scale > 0 and abs(scale - length * 2 ** (bits + 16)) <= Fraction(1, 2)
         fits = self.last < 1 << 31 and ((self.last >> 16) + 1) * scale < 1 << 31 and tube.segments << bits <= 1 << 31
         require(is_clock and fits, "the C counts other ticks than the task's")
         cut = Fraction(1, 1 << 16) if bits > 16 else 0
@@ -119,8 +123,7 @@ class Integers:
         require(is_inside, "a shift or a limit of the C is out of range")
         if self.task.order == 2:
             m, shift, bits = stated["rate_mantissa"], stated["rate_shift"], stated["rate_bits"]
-            is_inside = 0 < m < 1 << 16 and 0 < shift < 31 and 0 <= bits < 31 and stated["filter_bits"] in (14, 15, 16)
-            require(is_inside and 0 < stated["smallest_x_width"] < ONE, "a constant of the C is out of range")
+            require(0 < m < 1 << 16 and 0 < stated["smallest_x_width"] < ONE, "a constant of the C is out of range")
             r1, r0 = (((v * m >> 16) + (1 << shift - 1) >> shift) for v in (9 << 27, 3 << 28))  # the largest; r2 is at most r0
             fastest = Fraction(largest_step * (r1 + 2 * r0), 1 << bits) + 2
             is_inside = r1 < 1 << 16 and r0 <= 1 << 15 and fastest < (1 << 28) - (1 << 20)

@@ -20,9 +20,10 @@ from stt_codegen.controller.integers.integer_kernels import (
     choose_clock,
     choose_rate_scale,
 )
+from stt_codegen.decimals import decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
-from stt_codegen.program import Program, Table
+from stt_codegen.program import FORMATS, Program, Table
 from stt_codegen.task import Task
 
 STEP_BITS = 15  # a step from one control point to the next is within so many bits, without its sign
@@ -34,6 +35,9 @@ def fixed_program(task: Task, design: RefinedDesign) -> Program:
     Raises `BadInput` where 32 bits do not hold the tube or the law, or are not accurate enough."""
     tick_period = task.emit.tick_period
     assert tick_period is not None  # task/checks/field_checks.py
+    if design.unit / 2 > FORMATS["fixed"].roundoff * task.largest_coordinate:  # P9 allows for so large an error of x
+        problem = f"counts x in units of {decimal(design.unit)}, which is too coarse beside {decimal(task.largest_coordinate)}"
+        raise BadInput(f"tube: {problem}: the sampling conditions allow for x in 20 bits; give its table more bits")
     largest_step = int(abs(design.integers()[1:] - design.integers()[:-1]).max())
     if largest_step >= 1 << STEP_BITS:
         problem = f"a step of {largest_step} units is beyond the {STEP_BITS} bits that integers have"
