@@ -31,6 +31,7 @@ from tests.support.checked_files import (
     recorded_files,
     verdict,
     with_certificate,
+    with_text,
 )
 from tests.support.controllers import ROOT, controller_of
 
