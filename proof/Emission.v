@@ -69,12 +69,6 @@ Section Emission.
     "#include <stdbool.h>";
     "#include <stdint.h>"] ++ (if has_inline_log consts then [
     "#include <string.h>"] else []) ++ [
-    "#if defined(__clang__)";
-    "#pragma STDC FP_CONTRACT OFF";
-    "#pragma clang fp reassociate(off)";
-    "#elif defined(__GNUC__)";
-    "#pragma GCC optimize (""fp-contract=off"")";
-    "#endif";
     "#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))";
     ("#error """ ++ task ++ ".c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity""")%string;
     "#endif";
@@ -84,6 +78,12 @@ Section Emission.
     "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)"] else [
     "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)"]) ++ [
     ("#error """ ++ task ++ ".c: compile for " ++ (if is_single consts then "float" else "double") ++ " arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that""")%string;
+    "#endif";
+    "#if defined(__clang__)";
+    "#pragma STDC FP_CONTRACT OFF";
+    "#pragma clang fp reassociate(off)";
+    "#elif defined(__GNUC__)";
+    "#pragma GCC optimize (""fp-contract=off"")";
     "#endif"].
   (* Spline time u = K t / t_c, held from 0 to the last number below K; the row of the table and s = u - floor(u). *)
   Definition segment_function := Function "@segment" "void" [ByValue TReal "t"; ByPointer TInt "row"; ByPointer TReal "s"] ([

@@ -44,13 +44,7 @@ static const P_real P_filtered_start_upper[$n] = { $filtered_start_upper };  [or
 <<transform>>
 
 == compiler flags
-/* No fused multiply-adds: the -std=gnu.. of many compilers would make them. What changes results otherwise is refused. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#pragma clang fp reassociate(off)
-#elif defined(__GNUC__)
-#pragma GCC optimize ("fp-contract=off")
-#endif
+/* Flags that change results are refused where the compiler has macros for them. avr-gcc has none after a pragma: this comes first. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "P.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
 #endif
@@ -60,6 +54,13 @@ static const P_real P_filtered_start_upper[$n] = { $filtered_start_upper };  [or
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)  [float]
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)  [double]
 #error "P.c: compile for $scalar arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 == segment of a time

@@ -110,6 +110,13 @@ uint32_t P_wrap_tick(uint32_t tick)
 
 == unwrap
 #include "P.h"
+/* No fused multiply-adds, so that x has the same bits on every board. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
+#endif
 void P_unwrap(const P_real x_before[M_N], P_real x[M_N])
 {
     P_real turns;
