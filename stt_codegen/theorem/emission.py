@@ -3,7 +3,8 @@
     python -m stt_codegen.theorem.emission        # writes both files again, between the comments that mark what is printed
 
 The stand-alone checker requires that a C file is listing_controller.c with the numbers of its task. The theorems are about the
-same text: between the marks is the listing for order 1, one definition for each function and for each piece of a body. A number of the listing becomes a constant of the record `constants` in Emission.v, and a condition becomes an `if` on it.
+same text: between the marks is the listing for order 1, one definition for each function and for each piece of a body. A number
+of the listing becomes a constant of the record `constants` in Emission.v, and a condition becomes an `if` on it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Read the constants of spline time, and the statements of `basis` and `edge_at`, from the text of a C file.
+"""Read the constants of spline time, and the statements of `basis` and `edge_at`, from C.
 
-A theorem about the tube alone has these as numbers and statements; theorem/reading.py calls this. What is not read, as the loads
-of `edge_at`, has to be the text of the stand-alone checker's listing.
+A theorem about the tube alone has these as numbers and statements of the C file; theorem/reading.py calls this. What is not read,
+as the loads of `edge_at`, has to be the text of the stand-alone checker's listing. benchmarks/gappa.py reads the listing itself.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from fractions import Fraction
 from typing import Any
 
 from stt_codegen.checker.stt_checker.exact import require, rounded
-from stt_codegen.checker.stt_checker.source import REAL, fill, is_same, tokens
+from stt_codegen.checker.stt_checker.source import REAL, fill, is_same
 from stt_codegen.theorem.facts import Operand, Statement
 
-KERNEL_STATEMENT = re.compile(r"const \w+ (\w+) = (\S+) ([-+*]) (\S+)")
+KERNEL_STATEMENT = re.compile(r"const \w+ (\w+) = (?:(\S+) )?([-+*]) (\S+)")  # a sign alone is a difference from 0
 TIME_CONSTANTS = ("per_second", "last")  # in the listing: K/t_c, and the largest spline time below K
 
 
@@ -24,8 +24,8 @@ class KernelText:
     All methods raise `Refused` where the C has something else.
     """
 
-    def __init__(self, data: bytes, name: str, n: int, bits: int) -> None:
-        self.words, self.name, self.n, self.bits = tokens(data.decode("ascii", "replace")), name, n, bits
+    def __init__(self, words: list[str], name: str, n: int, bits: int) -> None:
+        self.words, self.name, self.n, self.bits = words, name, n, bits
 
     def number(self, literal: str) -> Fraction:
         """Return the value of a literal, as the compiler rounds it."""
@@ -96,21 +96,23 @@ class KernelReader:
             numbers[match[1]] = self.last_value
         return results
 
-    def _operand(self, text: str, numbers: dict[str, int]) -> Operand:
+    def _operand(self, text: str | None, numbers: dict[str, int]) -> Operand:
         if text in numbers:
             return "V", numbers[text]
-        value = self.c.number(text)
+        value = Fraction(0) if text is None else self.c.number(text)
         require(value.denominator == 1, f"`basis` has the constant {text}, which is not whole")
         return "C", int(value)
 
 
-def read_kernels(c: KernelText) -> tuple[Statement, ...]:
-    """Return the statements of `basis` and then those of `edge_at` on four entries of the table, as one list."""
-    reader = KernelReader(c)
-    basis, edge = c.listed("basis"), c.listed("edge")
-    stored = reader.read(c.read("basis", basis[: basis.index("{") + 1])[1], {"s": 0})
-    require(list(stored) == [f"* w{j} =" for j in range(4)], "`basis` stores other results than it should")
-    values = {f"w{j}": stored[f"* w{j} ="] for j in range(4)} | {f"q{j}": 1 + j for j in range(4)}
+def read_kernels(c: KernelText, is_rate: bool = False) -> tuple[Statement, ...]:
+    """Return the statements of `basis` and then those of `edge_at` on four entries of the table, as one list.
+
+    is_rate: those of `basis_rate`, for the edge's slope, in place of those of `basis`."""
+    piece, function, weight = ("rate of the basis", "basis_rate", "dw") if is_rate else ("basis", "basis", "w")
+    reader, basis, edge = KernelReader(c), c.listed(piece), c.listed("edge")
+    stored = reader.read(c.read(function, basis[: basis.index("{") + 1])[1], {"s": 0})
+    require(list(stored) == [f"* {weight}{j} =" for j in range(4)], f"`{function}` stores other results than it should")
+    values = {f"w{j}": stored[f"* {weight}{j} ="] for j in range(4)} | {f"q{j}": 1 + j for j in range(4)}
     returned = reader.read(c.read("edge_at", edge[: edge.index("v0") - 2])[1], values)  # after the four loads
     require(returned == {"return": reader.last_value}, "`edge_at` returns another value than its last")
     return tuple(reader.code)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from stt_codegen.checker.stt_checker.claims import LAW_ERROR, fractions
 from stt_codegen.checker.stt_checker.exact import Refused, Unusable, rounded
 from stt_codegen.checker.stt_checker.rounding import arithmetic_error
-from stt_codegen.checker.stt_checker.source import real_table
+from stt_codegen.checker.stt_checker.source import real_table, tokens
 from stt_codegen.checker.stt_checker.task import Task
 from stt_codegen.checker.stt_checker.tube import Tube
 from stt_codegen.design_kinds import CAPABILITIES, kinds_offering
@@ -95,7 +95,7 @@ def _facts(task: Task, source: bytes, document: dict[str, Any]) -> Facts:
     """Compare the numbers of the three files, and collect them. document: the certificate."""
     sets, scalar, unit_bits = sets_of(task), document["scalar"], document["grid"]["unit_bits"]
     bits = FORMATS[scalar].bits
-    c = KernelText(source, task.name, task.n, bits)
+    c = KernelText(tokens(source.decode("ascii", "replace")), task.name, task.n, bits)
     tube = Tube(real_table(source, f"{task.name}_coefficients", bits), task.n, Fraction(2) ** -unit_bits, task.t_c, None)
     time_scale, last_spline_time = read_spline_time(c)
     edge_error = max(*document["edge_error"], rounding_bound(tube, scalar))
