@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from stt_codegen.checker.stt_checker.claims import LAW_ERROR, fractions
-from stt_codegen.checker.stt_checker.exact import Refused, Unusable, rounded
+from stt_codegen.checker.stt_checker.claims import LAW_ERROR
+from stt_codegen.checker.stt_checker.exact import Refused, Unusable, fractions, rounded
 from stt_codegen.checker.stt_checker.rounding import arithmetic_error
 from stt_codegen.checker.stt_checker.source import real_table, tokens
 from stt_codegen.checker.stt_checker.task import Task
