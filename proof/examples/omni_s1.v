@@ -168,13 +168,7 @@ Definition the_text : string := string_of "/* omni_s1.c: prescribed-time reach-a
 #include <stdbool.h>
 #include <stdint.h>
 
-/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#pragma clang fp reassociate(off)
-#elif defined(__GNUC__)
-#pragma GCC optimize (""fp-contract=off"")
-#endif
+/* Flags that change results are refused where the compiler has macros for them. avr-gcc has none after a pragma: this comes first. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error ""omni_s1.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity""
 #endif
@@ -183,6 +177,13 @@ Definition the_text : string := string_of "/* omni_s1.c: prescribed-time reach-a
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error ""omni_s1.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that""
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize (""fp-contract=off"")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:
