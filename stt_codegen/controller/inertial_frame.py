@@ -187,8 +187,8 @@ def _write_smaller_margin(block: Block, distances: FilteredDistances) -> Var:
     """Write statements for the smaller one of two margins: that of v + lambda x in the filtered tube, that of x in the tube."""
     filtered_margin = write_margin(block, distances, label="z", is_width_guarded=False)
     x_margin = write_margin(block, distances.of_x, is_width_guarded=False)
-    is_filtered_smaller = block.op("z_smaller", "lt", filtered_margin, x_margin)
-    return block.select("smaller", is_filtered_smaller, filtered_margin, x_margin)
+    is_x_smaller = block.op("x_smaller", "lt", x_margin, filtered_margin)  # false for a NaN of v, so that the result is NaN
+    return block.select("smaller", is_x_smaller, x_margin, filtered_margin)
 
 
 def _build_margins(parts: InertialParts) -> Function:

@@ -118,7 +118,7 @@ CHANGES_OF_ORDER_2 = [
     ("filtered distances", "v_to_lower + lower_part", "v_to_upper + lower_part"),
     ("state and rate between the edges", "const bool inside = z_inside && x_inside;", "const bool inside = z_inside && z_inside;"),
     ("state and rate between the edges", "const P_real to_farther = z_width - to_nearer;", "const P_real to_farther = z_to_upper;"),
-    ("smaller margin", "z_smaller ? margin_z : margin_x", "z_smaller ? margin_x : margin_z"),
+    ("smaller margin", "x_smaller ? margin_x : margin_z", "x_smaller ? margin_z : margin_x"),
     ("start of v + lambda x", "z_above && z_below", "z_above && z_above"),
 ]  # fmt: skip
 

@@ -276,6 +276,13 @@ def test_u_is_finite_for_every_bit_pattern(bits: tuple[int, ...]) -> None:
     assert np.isnan(margin[0]) if is_bad else -1 <= margin[0] <= 0.5
     if status[0] == 0:
         assert margin[0] > 0
+    (margins,) = backend.call("margins", np.array([t]), np.array([state[:2]]), np.array([state[2:]]))
+    for i, value in enumerate(margins[0]):  # a NaN of v alone is seen too
+        component = [t, state[i], state[2 + i]]
+        if np.isnan(component).any() or np.isinf(t):
+            assert np.isnan(value)
+        elif np.isfinite(component).all():
+            assert -1 <= value <= 0.5
 
 
 @cache

@@ -113,8 +113,8 @@ void P_velocity(P_real dt, const P_real x[M_N], const P_real x_before[M_N], P_re
         const P_real margin_z = z_beyond ? (-1.0) : z_share;
 
 == smaller margin
-        const bool z_smaller = margin_z < margin_x;
-        const P_real smaller = z_smaller ? margin_z : margin_x;
+        const bool x_smaller = margin_x < margin_z;
+        const P_real smaller = x_smaller ? margin_x : margin_z;
 
 == start of v + lambda x
         const P_real filter_i = P_filter[i];  [filters]

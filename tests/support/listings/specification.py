@@ -194,9 +194,10 @@ class Specification:
         ]
 
     def margin_of_component(self, path: Path) -> int:
-        """Return the distance to the nearer edge over the width, at least -1: of x, and for order 2 of v + lambda x if that is less."""
+        """Return the distance to the nearer edge over the width, at least -1: of x, and for order 2 of v + lambda x unless that of x
+        is less. So it is NaN where x or v is."""
         x, z = (self._share(path, distances) for distances in self.distances_of_state())
-        return z if self.has_order_2 and path.is_less(z, x) else x
+        return z if self.has_order_2 and not path.is_less(x, z) else x
 
     def _share(self, path: Path, distances: Distances) -> int:
         share = self.op("/", self.nearest(path, distances)[0], distances.width)
