@@ -496,8 +496,8 @@ arm_real arm_margin(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N]
         const arm_real x_share = x_distance / width;
         const bool x_beyond = x_share < (-1.0F);
         const arm_real margin_x = x_beyond ? (-1.0F) : x_share;
-        const bool z_smaller = margin_z < margin_x;
-        const arm_real smaller = z_smaller ? margin_z : margin_x;
+        const bool x_smaller = margin_x < margin_z;
+        const arm_real smaller = x_smaller ? margin_x : margin_z;
         const bool less = smaller < margin;
         const arm_real margin_next = less ? smaller : margin;
         margin = margin_next;
@@ -562,8 +562,8 @@ void arm_margins(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N], a
         const arm_real x_share = x_distance / width;
         const bool x_beyond = x_share < (-1.0F);
         const arm_real margin_x = x_beyond ? (-1.0F) : x_share;
-        const bool z_smaller = margin_z < margin_x;
-        const arm_real smaller = z_smaller ? margin_z : margin_x;
+        const bool x_smaller = margin_x < margin_z;
+        const arm_real smaller = x_smaller ? margin_x : margin_z;
         margin[i] = smaller;
     }
 }

@@ -538,8 +538,8 @@ attitude_real attitude_margin(attitude_real t, const attitude_real x[ATTITUDE_N]
         const attitude_real x_share = x_distance / width;
         const bool x_beyond = x_share < (-1.0);
         const attitude_real margin_x = x_beyond ? (-1.0) : x_share;
-        const bool z_smaller = margin_z < margin_x;
-        const attitude_real smaller = z_smaller ? margin_z : margin_x;
+        const bool x_smaller = margin_x < margin_z;
+        const attitude_real smaller = x_smaller ? margin_x : margin_z;
         const bool less = smaller < margin;
         const attitude_real margin_next = less ? smaller : margin;
         margin = margin_next;
@@ -605,8 +605,8 @@ void attitude_margins(attitude_real t, const attitude_real x[ATTITUDE_N], const 
         const attitude_real x_share = x_distance / width;
         const bool x_beyond = x_share < (-1.0);
         const attitude_real margin_x = x_beyond ? (-1.0) : x_share;
-        const bool z_smaller = margin_z < margin_x;
-        const attitude_real smaller = z_smaller ? margin_z : margin_x;
+        const bool x_smaller = margin_x < margin_z;
+        const attitude_real smaller = x_smaller ? margin_x : margin_z;
         margin[i] = smaller;
     }
 }

@@ -540,8 +540,8 @@ base_real base_margin(base_real t, const base_real x[BASE_N], const base_real v[
         const base_real x_share = x_distance / width;
         const bool x_beyond = x_share < (-1.0F);
         const base_real margin_x = x_beyond ? (-1.0F) : x_share;
-        const bool z_smaller = margin_z < margin_x;
-        const base_real smaller = z_smaller ? margin_z : margin_x;
+        const bool x_smaller = margin_x < margin_z;
+        const base_real smaller = x_smaller ? margin_x : margin_z;
         const bool less = smaller < margin;
         const base_real margin_next = less ? smaller : margin;
         margin = margin_next;
@@ -607,8 +607,8 @@ void base_margins(base_real t, const base_real x[BASE_N], const base_real v[BASE
         const base_real x_share = x_distance / width;
         const bool x_beyond = x_share < (-1.0F);
         const base_real margin_x = x_beyond ? (-1.0F) : x_share;
-        const bool z_smaller = margin_z < margin_x;
-        const base_real smaller = z_smaller ? margin_z : margin_x;
+        const bool x_smaller = margin_x < margin_z;
+        const base_real smaller = x_smaller ? margin_x : margin_z;
         margin[i] = smaller;
     }
 }

@@ -497,8 +497,8 @@ def margin(t, x, v):
         x_share = x_distance / width
         x_beyond = x_share < -1.0
         margin_x = -1.0 if x_beyond else x_share
-        z_smaller = margin_z < margin_x
-        smaller = margin_z if z_smaller else margin_x
+        x_smaller = margin_x < margin_z
+        smaller = margin_x if x_smaller else margin_z
         less = smaller < margin
         margin_next = smaller if less else margin
         margin = margin_next
@@ -557,8 +557,8 @@ def margins(t, x, v):
         x_share = x_distance / width
         x_beyond = x_share < -1.0
         margin_x = -1.0 if x_beyond else x_share
-        z_smaller = margin_z < margin_x
-        smaller = margin_z if z_smaller else margin_x
+        x_smaller = margin_x < margin_z
+        smaller = margin_x if x_smaller else margin_z
         margin[i] = smaller
     return tuple(margin)
 

@@ -541,8 +541,8 @@ drone_real drone_margin(drone_real t, const drone_real x[DRONE_N], const drone_r
         const drone_real x_share = x_distance / width;
         const bool x_beyond = x_share < (-1.0);
         const drone_real margin_x = x_beyond ? (-1.0) : x_share;
-        const bool z_smaller = margin_z < margin_x;
-        const drone_real smaller = z_smaller ? margin_z : margin_x;
+        const bool x_smaller = margin_x < margin_z;
+        const drone_real smaller = x_smaller ? margin_x : margin_z;
         const bool less = smaller < margin;
         const drone_real margin_next = less ? smaller : margin;
         margin = margin_next;
@@ -609,8 +609,8 @@ void drone_margins(drone_real t, const drone_real x[DRONE_N], const drone_real v
         const drone_real x_share = x_distance / width;
         const bool x_beyond = x_share < (-1.0);
         const drone_real margin_x = x_beyond ? (-1.0) : x_share;
-        const bool z_smaller = margin_z < margin_x;
-        const drone_real smaller = z_smaller ? margin_z : margin_x;
+        const bool x_smaller = margin_x < margin_z;
+        const drone_real smaller = x_smaller ? margin_x : margin_z;
         margin[i] = smaller;
     }
 }
