@@ -224,7 +224,7 @@ def test_changed_tokens_of_integers_are_refused_unless_they_mean_the_same(task: 
     [
         ("gantry", lambda c: c["edge_error"].__setitem__(0, 3), "P7"),
         ("crane", lambda c: c["rate_error"].__setitem__(1, 5), "P7"),
-        ("crane", lambda c: c["filter"].__setitem__(0, "1356/2048"), "filter|P1|P7"),
+        ("crane", lambda c: c["filter"].__setitem__(0, "1356/2048"), "filter|P1|P7|P9"),
         ("gantry", lambda c: c["control"].__setitem__("gain", ["112/1000", "111/1000"]), "the gain of x"),
         ("gantry", lambda c: c["control"].__setitem__("gain", ["11101/100000", "11101/100000"]), "the gain of x"),
         ("gantry", lambda c: c["control"].__setitem__("e_max", ["9/10", "99/100"]), "e_max"),
@@ -319,7 +319,6 @@ def test_the_checkers_errors_of_the_table_of_curves_are_true_and_close() -> None
         ("levels", 65536),
         ("bends", 1 << 15),
         ("slopes", 1 << 15),
-        ("h_shifts", 9),
         ("shift_offsets", 32),
         ("limits", -1),
     ],

@@ -129,8 +129,22 @@ def bent_constants(constants: dict[str, int]) -> list[dict[str, Any]]:
     """Return constants with one key that has another value or type, is left out or is added."""
     bent: list[dict[str, Any]] = [{**constants, "more": 1}, {}]
     for key, value in constants.items():
-        others = (value + 1, value - 1, 2 * value, value // 2, 0, -1, -value, 1 << 31, 1 << 70, True, str(value), [value], None)
-        bent += [{**constants, key: v} for v in others if v is True or v != value]
+        bent_values = (
+            value + 1,
+            value - 1,
+            2 * value,
+            value // 2,
+            0,
+            -1,
+            -value,
+            1 << 31,
+            1 << 70,
+            True,
+            str(value),
+            [value],
+            None,
+        )
+        bent += [{**constants, key: v} for v in bent_values if v is True or v != value]
         bent.append({k: v for k, v in constants.items() if k != key})
     return bent
 

@@ -39,7 +39,7 @@ WEIGHT_ERROR = Fraction(17178254800, 1 << 48)  # of an edge by its weights, in s
 RATE_POWER_ERROR = Fraction(27, 1 << 30)  # 3 times 9/4 of 2^-28: the same of the powers of s in the weights of a rate
 LAW_ERROR = Fraction(1, 1 << 10)  # of the law, relative and in epsilon, that P9 allows
 SCALAR_BITS = 20
-ONE = 1 << 30  # the number 1 in the units of e and y
+UNITY = 1 << 30  # the number 1 in the units of e and y
 
 
 class Integers:
@@ -115,7 +115,9 @@ class Integers:
         farthest = 6 * max(abs(v) for row in tube.table for pair in row for v in pair)
         require(farthest < self.largest_x, "the tube is beyond the largest x of the C")
         require(tube.unit <= self.task.farthest / (1 << SCALAR_BITS - 1), "the units of x are too large")
-        is_inside = all(0 < stated[name] < ONE for name in ("smallest_y", "smallest_width")) and 0 <= stated["largest_e"] < ONE
+        is_inside = (
+            all(0 < stated[name] < UNITY for name in ("smallest_y", "smallest_width")) and 0 <= stated["largest_e"] < UNITY
+        )
         require(is_inside, "largest_e, smallest_y or smallest_width is out of range")
         rows = 8 * (31 - stated["smallest_y"].bit_length()) + 16
         require(rows <= len(tables["h_shifts"]), "the C has no row for the smallest y")
@@ -123,7 +125,7 @@ class Integers:
         require(is_inside, "a shift or a limit of the C is out of range")
         if self.task.order == 2:
             m, shift, bits = stated["rate_mantissa"], stated["rate_shift"], stated["rate_bits"]
-            require(0 < m < 1 << 16 and 0 < stated["smallest_x_width"] < ONE, "a constant of the C is out of range")
+            require(0 < m < 1 << 16 and 0 < stated["smallest_x_width"] < UNITY, "a constant of the C is out of range")
             r1, r0 = (((v * m >> 16) + (1 << shift - 1) >> shift) for v in (9 << 27, 3 << 28))  # the largest; r2 is at most r0
             fastest = Fraction(largest_step * (r1 + 2 * r0), 1 << bits) + 2
             is_inside = r1 < 1 << 16 and r0 <= 1 << 15 and fastest < (1 << 28) - (1 << 20)
@@ -145,9 +147,9 @@ class Integers:
         a, h_rows, base = check_curves(self.tables)
         b, (largest_e, smallest_y) = (
             max(v for v, _ in h_rows),
-            (Fraction(stated[name], ONE) for name in ("largest_e", "smallest_y")),
+            (Fraction(stated[name], UNITY) for name in ("largest_e", "smallest_y")),
         )
-        y_error = a + 1 / ((1 - e_max) * ONE)  # relative, of the smallest y
+        y_error = a + 1 / ((1 - e_max) * UNITY)  # relative, of the smallest y
         require(max(a, b, y_error) <= r, "the curves of the C are not 1/d and H, or e_max is too near 1 for integers")
         smallest_reciprocal, smallest_h = (1 - a) / 2, min(v for _, v in h_rows) * (1 - b) / (1 << 16)  # over 2^16
         for i, k in enumerate(gain):
@@ -160,15 +162,15 @@ class Integers:
             beyond = largest_e / e_max * h_of(smallest_y)[1] / h_of(1 - e_max)[0] * (1 + a) * (1 + b) * (1 + c)
             smallest = min(1 - a, largest_e / e_max) * (1 - a) * (1 - b) * (1 - c) / max(1 + a, smallest_y / (1 - e_max)) ** 2
             relative = max(inside - 1, beyond - 1, 1 - smallest)
-            lost = (1 + 3 / (smallest_reciprocal * smallest_h * Fraction(mantissa, 1 << 16))) * (1 + relative) / ONE  # of |e|
+            lost = (1 + 3 / (smallest_reciprocal * smallest_h * Fraction(mantissa, 1 << 16))) * (1 + relative) / UNITY  # of |e|
             lost *= logarithm((1 + e_max) / (1 - e_max))[1] / e_max  # the largest epsilon/e
             lost += Fraction(2) ** -stated["u_bits"] * spans[i][1] * tube.unit / (4 * abs(k))
             require(relative <= r and lost <= r * (1 - relative), f"u of {name} in the C is wrong by more than 2^-10")
-            for row, (_, least) in enumerate(h_rows, 16):
+            for row, (_, smallest_in_row) in enumerate(h_rows, 16):
                 if h_shifts[row] > offset - (31 - stated["smallest_width"].bit_length()):  # u would be shifted up: not done
                     octave, piece = divmod(row - 16, 8)
-                    e = min(1 - a - Fraction(9 + piece, 16 << octave) - Fraction(2, ONE), largest_e)  # the smallest in this row
-                    size = e * ONE * least * (1 - b) * smallest_reciprocal * mantissa / (1 << 32) - 3
+                    e = min(1 - a - Fraction(9 + piece, 16 << octave) - Fraction(2, UNITY), largest_e)  # the smallest in this row
+                    size = e * UNITY * smallest_in_row * (1 - b) * smallest_reciprocal * mantissa / (1 << 32) - 3
                     require(limit <= size, f"u of {name} in the C may be wrong before it is at its limit")
 
     def prove(self, tube: Tube, law: Law, x_bits: int, has_phase: bool, starts: Any) -> tuple[set[str], dict[str, Any]]:
