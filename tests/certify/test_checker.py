@@ -1,4 +1,4 @@
-"""The stand-alone checker: it verifies what is recorded, alone in an empty folder, and refuses C and headers that are changed.
+"""The stand-alone checker: it verifies what is recorded, and refuses C and headers that are changed.
 
 The tables of changes are texts of emitted C: (text that occurs in the file, its replacement). `$` stands for the task's name. Claims and
 tasks are changed in test_checker_claims.py; controllers in integers have test_checker_integers.py. benchmarks/token_mutants.py changes
@@ -7,21 +7,17 @@ every token."""
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 import sys
-import zipapp
 from pathlib import Path
 
 import pytest
 
 from benchmarks import token_mutants
-from stt_codegen.checker import FOLDER
 from stt_codegen.checker.stt_checker.task import Task
 from stt_codegen.task import parse_task
 from tests.support.checked_files import (
     REFUSED,
-    UNUSABLE,
     VERIFIED,
     Files,
     recorded_files,
@@ -65,20 +61,6 @@ def test_every_recorded_controller_is_verified(_root: str, name: str, _design: s
     """With all that its task emits."""
     code, message = verdict(recorded_files(name, scalar), tmp_path)
     assert (code, message.startswith(f"checker: verified: {name}: P1 to P")) == (VERIFIED, True), message
-
-
-@pytest.mark.parametrize("form", ["folder", "zip"])
-def test_the_checker_runs_alone_in_an_empty_folder(form: str, tmp_path: Path) -> None:
-    """As a folder and as one zip, without site packages and without this package on the path."""
-    write_files(recorded_files("trolley"), tmp_path)
-    if form == "folder":
-        shutil.copytree(FOLDER, tmp_path / "checker", ignore=shutil.ignore_patterns("__pycache__"))
-    else:
-        zipapp.create_archive(FOLDER, tmp_path / "checker", filter=lambda path: "__pycache__" not in path.parts)
-    command = [sys.executable, "-I", "-S", "checker", "task.toml", "trolley.c", "trolley.certificate.json"]
-    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert (result.returncode, result.stdout[:27]) == (VERIFIED, "checker: verified: trolley:"), result.stdout + result.stderr
-    assert subprocess.run(command[:-1], cwd=tmp_path, capture_output=True, check=False).returncode == UNUSABLE
 
 
 def test_the_command_line_runs_the_same_checker(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from stt_codegen import reference
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
 from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.emit.selftest import selftest_suites
@@ -208,7 +208,7 @@ def test_the_checker_verifies_files_with_a_self_test_of_order_2(tmp_path) -> Non
     controller = selftested(ORDER_TWO)
     for name, data in {**controller.files, "task.toml": f"{ORDER_TWO}\n[emit]\nselftest = true\n".encode()}.items():
         (tmp_path / name).write_bytes(data)
-    assert checker.main([str(tmp_path / f) for f in ("task.toml", "omni_s2.c", "omni_s2.certificate.json")]) == 0
+    assert check_files([str(tmp_path / f) for f in ("task.toml", "omni_s2.c", "omni_s2.certificate.json")]) == 0
 
 
 @pytest.mark.parametrize("limit", ["0.3", "3.0", "1000.0"])

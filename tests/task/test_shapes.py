@@ -22,6 +22,7 @@ from stt_codegen.checker import check_files
 from stt_codegen.checker.stt_checker.exact import Unusable
 from stt_codegen.checker.stt_checker.sets import FORMS, Inside
 from stt_codegen.checker.stt_checker.task import Task as CheckedTask
+from stt_codegen.checker.stt_checker.task import refuse_unknown_keys
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, SttError
 from stt_codegen.loop.compiled import LoopResult, LoopSetting, driver
@@ -237,7 +238,7 @@ def test_the_checker_refuses_a_region_of_any_form_that_the_tube_never_meets(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The files are of a tube that visits a box, and the task has another region. The digest agrees, so that it cannot be the reason."""
-    assert {frozenset(form.split()) for form in (*REGIONS, *UNVISITED)} == {frozenset(form) for form in FORMS}
+    assert {frozenset(form.split()) for form in (*REGIONS, *UNVISITED)} == set(map(frozenset, FORMS))
     controller = build_once(parse_task(mission_in("lower = [2, 2]\nupper = [3, 3]")))
     load = CheckedTask.__init__
 
@@ -254,9 +255,12 @@ def test_the_checker_refuses_a_region_of_any_form_that_the_tube_never_meets(
 
 
 def test_the_checker_refuses_a_region_with_fields_that_it_does_not_read() -> None:
-    """Otherwise its list of half-spaces would be empty, and every point would satisfy it."""
-    with pytest.raises(Unusable, match="without a half-space or a ball"):
-        Inside({"name": "dock", "corner": [2, 3]}, ["x", "y"], [Fraction(0)] * 2, box_has_all_axes=False)
+    """Otherwise its list of half-spaces would be empty, and every point would satisfy it: a set without any is refused, too."""
+    region = {"name": "dock", "corner": [2, 3]}
+    with pytest.raises(Unusable, match="'corner'"):
+        refuse_unknown_keys({"region": [region]})
+    with pytest.raises(Unusable, match="without a half-space"):
+        Inside(region, ["x", "y"], [Fraction(0)] * 2)
 
 
 @pytest.mark.slow
