@@ -20,12 +20,12 @@ from hypothesis import strategies as st
 from stt_codegen.designs.tube import MINIMUM_WIDTH
 from stt_codegen.emit.naming import _locals, check_names
 from stt_codegen.emit.render import render
-from stt_codegen.errors import BadInput
+from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import EmittedController, build_program, build_task
 from stt_codegen.program.nodes import Assign, Kernel, Op, Program, Var
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
-from stt_codegen.task.load import load_task, parse_task
+from stt_codegen.task.load import parse_task
 from tests.support.controllers import NAMES, ROOT, build_once, controller_of
 
 OK, OUTSIDE, BAD = 0, 1, 2
@@ -397,21 +397,19 @@ def test_python_refuses_a_vector_of_the_wrong_length() -> None:
         module.control(0.0, [1.0, 2.0, 3.0])
 
 
-def test_an_empty_tube_gives_zero_and_outside(monkeypatch) -> None:
-    """The edges of an uncertified tube cross: then every x is outside and u is 0."""
-    certified = controller_of("empty")
-    crossed = tuple(tuple((u, lo) for lo, u in row) for row in certified.design.table)
-    from dataclasses import replace
-
-    monkeypatch.setattr("stt_codegen.pipeline.design_tube", lambda _: replace(certified.design, table=crossed))
-    task = load_task(ROOT / "tasks" / "empty.toml")
-    for scalar in ("float", "double"):
-        controller = build_task(task.with_options(scalar=scalar), uncertified=True)
-        for backend in (CompiledC(controller), GeneratedPython(controller)):
-            for x in ((0.5, 0.5), (100.0, -100.0)):
-                status, u = backend.control(*arguments_at(1.0, *x))
-                assert status[0] == OUTSIDE
-                assert np.all(u == 0)
+@pytest.mark.parametrize("width", ["crossed", "0", "2^-19"])
+@pytest.mark.parametrize("scalar", ["float", "double"])
+def test_a_tube_by_whose_width_the_law_cannot_divide_is_not_written(scalar: str, width: str) -> None:
+    """Its edges cross, meet or come very close somewhere. Also --uncertified does not write it: u would be outward, or a NaN."""
+    controller = controller_of("empty")
+    table = [[list(pair) for pair in row] for row in controller.design.table]
+    for row in table[12:20]:
+        for pair in row:
+            middle, gap = sum(pair) // 2, {"crossed": -50, "0": 0, "2^-19": int(2**-19 / 6 / controller.design.unit)}[width]
+            pair[:] = [middle, middle + gap]
+    narrow = replace(controller.design, table=tuple(tuple((a, b) for a, b in row) for row in table))
+    with pytest.raises(NotCertified, match=r"width \(P1\).*narrower than 2\^-18 is not written"):
+        build_task(controller.task.with_options(scalar=scalar), uncertified=True, tube=narrow)
 
 
 def test_a_tube_below_the_minimum_width_gives_finite_inward_u(backends) -> None:
