@@ -20,7 +20,7 @@ LAW_ERROR = {  # by scalar and whether the logarithm is inline, see docs/certifi
     ("float", True): Fraction(1, 1 << 14), ("double", True): Fraction(1, 1 << 14),
 }  # fmt: skip
 KEYS = "format task certified design method order scalar sha256 grid edge_error speed start covers_initial_set control claims"
-OTHER_LANGUAGES = (".rs",)  # files of which nothing is known but their hash; the task has to ask for them
+OTHER_LANGUAGES = (".rs",)  # files of which nothing is known but their hash
 
 
 def same(value: Any, wanted: Any) -> bool:

@@ -13,8 +13,8 @@ KNOT_LIMIT = 200  # displacements of one motion
 
 class Course:
     """How a set moves and when it counts. Displacements are at times of the set's clock: linear between them, constant before the
-    first and after the last. The controller's clock is at most `early` behind the set's clock, and at most `late` ahead of it.
-    Times are in seconds."""
+    first and after the last. At the controller's time t the set's clock shows some time from t - `early` to t + `late`. Times are
+    in seconds."""
 
     def __init__(self, table: Any, moves: list[tuple[Any, dict[int, Fraction]]], task: Any) -> None:
         timing, t_c = number(table.get("timing", 0)), task.t_c
