@@ -44,8 +44,8 @@ from stt_codegen.lemmas.paper import transform, update_cells
 from stt_codegen.lemmas.sampling import first_exit, sampled_evaluated, sampled_exact, sampled_windows
 from stt_codegen.lemmas.sets import task_constraints as constraint_lemmas
 from stt_codegen.lemmas.tube import spline_edges
-from stt_codegen.program.analyse import exact_logarithm as enclosed
 from stt_codegen.paper import refined_tube
+from stt_codegen.program.analyse import exact_logarithm as enclosed
 from stt_codegen.program.convert.from_casadi import lower
 from stt_codegen.program.nodes import (
     Assign,

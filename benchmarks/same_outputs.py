@@ -2,11 +2,10 @@
 
     python -m benchmarks same_outputs --against COMMIT [--count 1000000] [--seed 0] [--only NAME] [--functions control,tube]
 
-Each C file of generated/ is compiled beside the file of the same path in COMMIT. Functions that both have, with the same parameters,
-run on the same inputs: times from before 0 to after t_c; states in the tube, beyond its edges, far away; now and then a NaN, an
-infinity, or 0. It prints one row for each file, and ends with exit code 1 where a bit differs. It is for changes of the printer that
-must not change what a controller computes.
-"""
+Each C file of generated/ is compiled beside the file of the same path in COMMIT. Functions that both have, with the same
+parameters, run on the same inputs: times from before 0 to after t_c; states in the tube, beyond its edges, far away; now and then
+a NaN, an infinity, or 0. It prints one row for each file, and ends with exit code 1 where a bit differs. It is for changes of the
+printer that must not change what a controller computes."""
 
 from __future__ import annotations
 
@@ -62,8 +61,8 @@ def prototypes(header: str, prefix: str) -> Iterator[Prototype]:
         parameters = [_parameter(part.strip(), real[1] if real else "", prefix, int(dimension[1])) for part in inside.split(",")]
         known = [p for p in parameters if p is not None]
         if len(known) == len(parameters):
-            returned = {f"{prefix}_real": real[1] if real else "", f"{prefix}_status": "int32_t", "int": "int32_t"}.get(result, result)
-            yield Prototype(name.removeprefix(f"{prefix}_"), returned, tuple(known))
+            kinds = {f"{prefix}_real": real[1] if real else "", f"{prefix}_status": "int32_t", "int": "int32_t"}
+            yield Prototype(name.removeprefix(f"{prefix}_"), kinds.get(result, result), tuple(known))
 
 
 def _parameter(text: str, real: str, prefix: str, n: int) -> Parameter | None:
@@ -106,7 +105,8 @@ class Library:
     def outputs(self, f: Prototype, inputs: dict[str, np.ndarray], count: int) -> list[np.ndarray]:
         """Return what a function writes and returns for these inputs, row by row."""
         arrays = [
-            np.zeros((count, p.length), KINDS[p.kind]) if p.is_output else np.ascontiguousarray(inputs[p.name]) for p in f.parameters
+            np.zeros((count, p.length), KINDS[p.kind]) if p.is_output else np.ascontiguousarray(inputs[p.name])
+            for p in f.parameters
         ]
         results = [a for a, p in zip(arrays, f.parameters, strict=True) if p.is_output]
         if f.result != "void":
@@ -183,7 +183,9 @@ def _same_but_for_nan(a: np.ndarray, b: np.ndarray) -> bool:
 
 def main() -> None:
     """Compare all files, and print a row for each."""
-    parser = argparse.ArgumentParser(prog="benchmarks same_outputs", description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser = argparse.ArgumentParser(
+        prog="benchmarks same_outputs", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
     parser.add_argument("--against", required=True, metavar="COMMIT")
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=0)

@@ -1,7 +1,4 @@
-"""Certificates: properties P1 to P10 of a design and its Program, exact for refined tubes, by enclosures for adaptive ones.
-
-Large because the stand-alone checker, half of it, shares no code with the rest.
-"""
+"""Certificates: properties P1 to P10 of a design and its Program, exact for refined tubes, by enclosures for adaptive ones."""
 
 from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PeriodProof
 from stt_codegen.certify.claims import SlackClaim, Stretch, claims_of, cuts_of
@@ -20,7 +17,6 @@ __all__ = [
     "Stretch",
     "Time",
     "adaptive",
-    "checker",
     "claims_of",
     "cuts_of",
     "exact",

@@ -12,7 +12,6 @@ from .moving import Course
 # The fields that describe the shape of a set, in every combination that is known. A set with any other field is refused.
 FORMS = ({"lower", "upper"}, {"vertices"}, {"normals", "offsets"}, {"centre", "radius"}, {"segment", "radius"})
 SHAPE_FIELDS = set[str]().union(*FORMS)
-MOTION_FIELDS = {"motion", "during", "timing", "spread"}
 ZERO = Fraction(0)
 HalfSpace = tuple[list[Fraction], Fraction]  # normal n and offset b: all x with n.x <= b
 

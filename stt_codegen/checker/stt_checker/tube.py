@@ -41,9 +41,6 @@ class Tube:
         """Return a bound on the speed of the edges of dimension i, in the task's units a second."""
         return self.fastest(i) * self.unit * self.segments / self.t_c
 
-    def widths(self) -> Iterator[int]:
-        return (h - v for piece in self.pieces for edges in piece for v, h in zip(*edges, strict=True))
-
     def part(self, a: int, b: int, cuts: int) -> Piece:
         """Return the tube from a to b, counted in parts of a segment; a segment has `cuts` parts."""
         k = min(a // cuts, self.segments - 1)
