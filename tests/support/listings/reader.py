@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 PREFIX = "c"  # the name of the task that listings are filled for
@@ -26,6 +27,8 @@ EXPRESSIONS = {  # by kind; the groups are its operands
     "not": rf"! ({OPERAND})",
     "cast": rf"\( ({TYPE}) \) ({OPERAND})",
     "load": rf"({NAME}) \[ ({NAME}) \]",
+    "table": rf"{PREFIX.upper()}_READ_(8|16|32) \( {PREFIX}_(\w+) \[ ({NAME}) \] \)",  # bits, table, index
+    "low half": rf"\( int32_t \) \( int16_t \) ({NAME})",
     "finite": rf"isfinite \( ({OPERAND}) \) != 0",
     "call": rf"({NAME}) \( (.+) \)",
 }
@@ -100,7 +103,7 @@ class Function:
     tokens: tuple[str, ...]
     is_kernel: bool
 
-    @property
+    @cached_property
     def body(self) -> tuple[Statement | Block, ...]:
         return tuple(statements(iter(self.tokens)))
 

@@ -134,9 +134,12 @@ def build(text: str) -> EmittedController:
     return build_once(parse_task(text))
 
 
-def compared_files(text: str, folder: Path) -> list[ComparedFile]:
-    """Build a task, check its controller in this folder, and return what was compared. Raises where the checker refuses."""
-    controller = build(text)
+def compared_files(text: str, folder: Path, controller: EmittedController | None = None) -> list[ComparedFile]:
+    """Check the controller of a task in this folder, and return what was compared. Raises where the checker refuses.
+
+    The controller is built from the text where none is passed."""
+    controller = controller or build(text)
+    prefix = controller.task.name
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
     filled: list[tuple[str, set[str], dict[str, Any]]] = []
@@ -152,7 +155,7 @@ def compared_files(text: str, folder: Path) -> list[ComparedFile]:
         compared.append(ComparedFile(file, listing, source.tokens(data.decode()), wanted, options, values))
         compare(file, data, wanted, *scalar)
 
-    certificate = json.loads(controller.files["cart.certificate.json"])
+    certificate = json.loads(controller.files[f"{prefix}.certificate.json"])
     with patch.object(source, "fill", record_fill), patch.object(source, "compare", record_comparison):
-        claims.check(Task(text.encode()), certificate, controller.files["cart.c"], folder)
+        claims.check(Task(text.encode()), certificate, controller.files[f"{prefix}.c"], folder)
     return compared
