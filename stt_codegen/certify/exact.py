@@ -69,7 +69,7 @@ def _is_law_defined(design: RefinedDesign, error: Sequence[Fraction], findings_o
     """Return whether the emitted edges, of order 2 those of v + lambda x, are so far apart that the law can divide by it."""
     narrowest = NARROWEST_WIDTH + 2 * units_of_error(design, error) * design.unit
     is_wide = all(f.holds for f in findings_of_law if f.subject is Property.WIDTH)
-    return is_wide and design.least_width_of_hulls() >= narrowest
+    return is_wide and design.smallest_hull_width() >= narrowest
 
 
 def _arithmetic_finding(program: Program, error: Fraction, of_edges: Sequence[Finding]) -> Finding:

@@ -146,7 +146,7 @@ class RefinedDesign:
         """Return by dimension a bound on the speed of both edges at all times, in units per second."""
         return tuple(int(v) * self.speed_per_step for v in self.largest_steps().max(axis=0))
 
-    def least_width_of_hulls(self) -> Fraction:
+    def smallest_hull_width(self) -> Fraction:
         """Return the least Bezier coefficient of the width, which bounds it from below; at most 0 where the edges cross."""
         edges = self.bezier()
         return int((edges[:, :, UPPER] - edges[:, :, LOWER]).min()) * self.unit
