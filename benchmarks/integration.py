@@ -366,6 +366,7 @@ UNLISTED = {  # scripts of benchmarks/ with an exit code that are no job, and wh
     "ends.py": "make ends runs it: it installs the oldest versions apart.",
     "page.py": "It measures seconds and frames, which depend on the machine; it fails only without a browser.",
     "public_maps.py": "It needs maps that are not in the repository.",
+    "checker.py": "It measures; that shipped controllers are verified is in make test.",
     "same_outputs.py": "It compares with another commit, where a change must leave what controllers compute as it was.",
     "ros.py": "tests-ros2 runs it, in the environment that has ROS 2.",
 }

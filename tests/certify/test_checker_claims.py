@@ -71,6 +71,8 @@ from tests.support.controllers import ROOT, build_once, controller_of
         ("[target_set]", "[target_set]\nradius = 0.01"),
         ("lower = [4.0, 2.0]", "centre = [4.4, 2.4]\nradius = 0.2"),
         ("[control]", "[[unsafe]]\nname = 'pillar'\nlower = [0, 0]\nupper = [0.1, 0.1]\n[control]"),
+        ("prescribed_time = 8.0", 'prescribed_time = 8.0\naxes = ["a", "a"]'),
+        ("prescribed_time = 8.0", 'prescribed_time = 8.0\naxes = ["a", "b", "a"]'),
     ],
 )
 def test_an_invalid_task_is_an_error_of_input(old: str, new: str, tmp_path: Path) -> None:
@@ -114,6 +116,24 @@ def test_a_loop_beyond_its_proof_is_refused_although_all_files_fit_it(old: str, 
     certificate, task = certificate_of(files), CheckedTask(files["task.toml"])
     certificate["sampled"] |= {"period": str(task.period), "plant": task.stated}
     code, output = verdict_of_proof(with_certificate(files, certificate), tmp_path)
+    assert code == REFUSED
+    assert message in output
+
+
+@pytest.mark.parametrize(
+    ("e_max", "gain", "message"),
+    [("0.99", "1e30", "could overflow"), ("0.999999", "1e28", "could overflow"), ("0.99999999", "1", "too near 0 or 1")],
+)
+def test_a_law_that_its_scalar_does_not_hold_is_refused(e_max: str, gain: str, message: str, tmp_path: Path) -> None:
+    """Whatever else fits: task, certificate and the C may state any gain."""
+    files = recorded_files("omni_s1")
+    text = re.sub(r"^(gain|e_max) = .*$", "", files["task.toml"].decode(), flags=re.M)
+    task_file = text.replace("[control]", f"[control]\ngain = {gain}\ne_max = {e_max}").encode()
+    certificate = certificate_of(files)
+    numbers = CheckedTask(task_file)
+    certificate["control"] |= {"gain": [str(v) for v in numbers.gain], "e_max": [str(v) for v in numbers.e_max]}
+    certificate["sha256"]["task_data"] = numbers.digest
+    code, output = verdict(with_certificate({**files, "task.toml": task_file}, certificate), tmp_path)
     assert code == REFUSED
     assert message in output
 

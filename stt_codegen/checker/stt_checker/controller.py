@@ -13,6 +13,7 @@ IEEE = {  # bytes of a number, an unsigned word of that size, the bits of 1/sqrt
     "float": (4, "uint32_t", "0x3f3504f3U", 23, "0x7fffffU"),
     "double": (8, "uint64_t", "0x3fe6a09e667f3bcdU", 52, "0xfffffffffffffU"),
 }
+LARGEST = {"float": 1 << 126, "double": 1 << 1022}  # a quarter of the largest number
 NARROWEST = Fraction(1, 1 << 20)  # of a width that `transform` divides by
 BEND, LN_2 = Fraction("0.67660441"), Fraction("0.693147180559945309417232121458")  # of the logarithm; the first always as a float
 
@@ -39,6 +40,10 @@ def values_of(task: Any, tube: Tube, law: Law, starts: dict[str, list[Fraction]]
     def nearest(values: list[Fraction]) -> list[Fraction]:
         return [rounded(v, bits) for v in values]
 
+    for gain, e_max in zip(law.gain, task.e_max, strict=True):  # |u| = |k| (1/a + 1/b) |ln(b/a)| with a, b >= c width; 64 > |ln|
+        require(min((1 - e_max) / 8, e_max / 4096) >= Fraction(1, 1 << bits), "e_max is too near 0 or 1 for the scalar")
+        largest = abs(gain) * 64 * 2 / ((1 - e_max) / 2 * NARROWEST)
+        require(largest < LARGEST[scalar], "the law could overflow its scalar: the gain or e_max is too large")
     size, word, cut, places, mask = IEEE[scalar]
     entries = [v * tube.unit for row in tube.table for pair in row for v in pair]
     values: dict[str, Any] = {

@@ -69,6 +69,8 @@ class Task:
         self.state = [number(v) for v in document["initial_state"]]
         n = self.n = len(self.state)
         self.names = document.get("axes") or [f"x{i + 1}" for i in range(n)]
+        if not len({*self.names}) == len(self.names) == n:
+            raise Unusable("the task does not have one name for each dimension, or has one twice")
         self.body, self.start_delay = numbers(document.get("body", 0), n), number(document.get("start_delay", 0))
         self.start = box(document["initial_set"], n)
         self._read_tube(document.get("tube", {}))
