@@ -8,16 +8,14 @@ specification.py says, for every combination of the listing's options.
 from __future__ import annotations
 
 import math
-import struct
 from fractions import Fraction
 from random import Random
 
-import numpy as np
 import pytest
 
 from stt_codegen.checker.stt_checker import rounding as checker_rounding
-from stt_codegen.checker.stt_checker.controller import IEEE
 from stt_codegen.checker.stt_checker.tube import Tube
+from tests.support.listings.bits import check_split
 from tests.support.listings.changes import replaced_text
 from tests.support.listings.combinations import all_combinations, options_of, pairs_in, pairwise_combinations
 from tests.support.listings.meaning import check_meaning, filled_listing
@@ -227,32 +225,6 @@ def test_a_place_in_a_segment_is_the_only_input_that_is_bounded(listing: Listing
 # ------------------------------------------------------------------------------------------------ exponent and mantissa
 
 
-def computed_from_bits(name: str, scalar: str, y: float) -> int:
-    """Run `exponent` or `mantissa` of the listing on the bits of y. Return an exponent, or the bits of a mantissa."""
-    size, _, cut, places, mask = IEEE[scalar]
-    tokens = filled_listing("controller", {*PLAIN.split(","), "inline", scalar} - {"libm"}).functions[name].tokens
-    words = {"number_cut": cut.rstrip("U"), "number_places": str(places), "number_mask": mask.rstrip("U")}
-    text = " ".join(words.get(token, token) for token in tokens)
-    bits = int.from_bytes(struct.pack("<f" if size == 4 else "<d", y), "little")
-    if name == "exponent":
-        assert text.startswith("number_word bits ; ( void ) memcpy ( & bits , & y , sizeof bits ) ; return ( int32_t ) (")
-        return int(eval(text.split("( int32_t )")[1].rstrip(" ;"), {"bits": bits}))
-    assert text.endswith("c_real m ; ( void ) memcpy ( & m , & bits , sizeof m ) ; return m ;")
-    return int(eval(text.split("bits = ")[1].split(" ;")[0], {"bits": bits}))
-
-
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_exponent_and_mantissa_split_a_number(scalar: str) -> None:
-    """y = m 2^e with m in [1/sqrt 2, sqrt 2), for numbers from 1/sqrt 2 on: the ratio of the farther distance to the nearer one."""
-    number = np.float32 if scalar == "float" else np.float64
-    code, size = ("<f", 4) if scalar == "float" else ("<d", 8)
-    random = Random(7)
-    values = [1.0, 2.0, 2**0.5, float(np.nextafter(number(2**0.5), number(2))), 0.7072, 2.0**100, 3.0e30]
-    values += [math.exp(random.uniform(0, 60)) for _ in range(500)]
-    for value in values:
-        y = float(number(value))
-        exponent = computed_from_bits("exponent", scalar, y)
-        bits = computed_from_bits("mantissa", scalar, y)
-        mantissa = struct.unpack(code, bits.to_bytes(size, "little"))[0]
-        assert Fraction(mantissa) * Fraction(2) ** exponent == Fraction(y)
-        assert number(0.5**0.5) <= number(mantissa) <= number(2**0.5)
+    check_split(scalar)
