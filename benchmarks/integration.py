@@ -159,6 +159,9 @@ JOBS = (
         "certify/listing_meaning", "The listing of every combination of options does what the specification says.", 3,
         helpers=CHECKED
     ),
+    slow_tests(
+        "certify/listing_mutants", "A wrong statement of a listing is noticed, by the symbolic machine and by --meaning.", 20,
+    ),
     slow_tests("cli/cli", "A command whose reader closes the pipe ends without an error.", 1),
     slow_tests(
         "program/enclosure", "The proof by enclosures never accepts a tube that fails at a sample.", 1,
