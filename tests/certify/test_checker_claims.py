@@ -120,11 +120,8 @@ def test_a_loop_beyond_its_proof_is_refused_although_all_files_fit_it(old: str, 
     assert message in output
 
 
-@pytest.mark.parametrize(
-    ("e_max", "gain", "message"),
-    [("0.99", "1e30", "could overflow"), ("0.999999", "1e28", "could overflow"), ("0.99999999", "1", "too near 0 or 1")],
-)
-def test_a_law_that_its_scalar_does_not_hold_is_refused(e_max: str, gain: str, message: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("e_max", "gain"), [("0.99", "1e30"), ("0.999999", "1e28"), ("0.99999999", "1"), ("0.0001", "1")])
+def test_a_law_that_its_scalar_does_not_hold_is_refused(e_max: str, gain: str, tmp_path: Path) -> None:
     """Whatever else fits: task, certificate and the C may state any gain."""
     files = recorded_files("omni_s1")
     text = re.sub(r"^(gain|e_max) = .*$", "", files["task.toml"].decode(), flags=re.M)
@@ -135,7 +132,7 @@ def test_a_law_that_its_scalar_does_not_hold_is_refused(e_max: str, gain: str, m
     certificate["sha256"]["task_data"] = numbers.digest
     code, output = verdict(with_certificate({**files, "task.toml": task_file}, certificate), tmp_path)
     assert code == REFUSED
-    assert message in output
+    assert "does not hold the law" in output
 
 
 def test_what_the_checker_cannot_check_is_an_error_of_input(tmp_path: Path) -> None:

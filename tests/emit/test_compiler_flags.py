@@ -153,7 +153,7 @@ def test_fused_operations_are_counted(text: str, count: int) -> None:
 # ------------------------------------------------------------------------------------------------ flags that are refused
 
 NAN_TESTS = "compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
-BOUNDED = "compile without -funsafe-math-optimizations, -fassociative-math and -freciprocal-math; its rounding is bounded"
+BOUNDED = "compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 REFUSED_BY_GCC = {
     "-ffast-math": NAN_TESTS,
     "-Ofast": NAN_TESTS,

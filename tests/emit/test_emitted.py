@@ -450,7 +450,7 @@ def test_the_certificate_has_digests_of_task_and_files_and_margins_in_units() ->
     assert document["sha256"]["task_data"] == controller.task.digest
     for name in ("omni_s2.h", "omni_s2.c", "omni_s2.py"):
         assert document["sha256"][name] == hashlib.sha256(controller.files[name]).hexdigest()
-    assert document["format"] == 2
+    assert document["format"] == 3
     unit, error = controller.design.unit, max(document["edge_error"])
     margins = {c: min(f.margin for f in controller.certificate.findings if f.code == c) for c in ("P1", "P2", "P3", "P4", "P5")}
     assert min(c["margin"] for c in document["claims"] if c["property"] == "P4") * unit <= margins["P4"]

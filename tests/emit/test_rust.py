@@ -198,7 +198,7 @@ def mutants(text: str) -> list[str]:
 
 
 # Changes without an effect: 0 - 0 is 0, and no tube of this task is as narrow as the guard of the law.
-EQUIVALENT = ("let zeros: Real = zero - x_zero;", "let spare: Real = widened / 0.5;", "let distance: Real = nearest - spare;")
+EQUIVALENT = ("let zeros: Real = zero - x_zero;", "let half: Real = widened / 0.5;", "let safe_distance: Real = distance - half;")
 
 
 @pytest.mark.parametrize("stride", [pytest.param(1, marks=pytest.mark.slow), 8])

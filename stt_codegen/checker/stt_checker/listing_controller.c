@@ -49,7 +49,7 @@ static const P_real P_filtered_start_upper[$n] = { $filtered_start_upper };  [or
 #error "P.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
 #endif
 #if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
-#error "P.c: compile without -funsafe-math-optimizations, -fassociative-math and -freciprocal-math; its rounding is bounded"
+#error "P.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)  [float]
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)  [double]
