@@ -46,8 +46,9 @@ def main(arguments: list[str]) -> int:
         print(f"checker: refused: {problem}")
         return 1
     except Exception as problem:  # whatever a file does to the checker, the answer is not "verified"
-        kind = "" if isinstance(problem, Unusable) else f"{type(problem).__name__}: "
-        print(f"checker: cannot check: {kind}{problem}", file=sys.stderr)
+        reason = f"give task, C file, certificate ({type(problem).__name__}: {problem})"
+        reason = f"{problem.filename} cannot be read ({problem.strerror})" if isinstance(problem, OSError) else reason
+        print(f"checker: cannot check: {problem if isinstance(problem, Unusable) else reason}", file=sys.stderr)
         return 2
     print(f"checker: verified: {task.name}: {proved}")
     return 0
