@@ -198,7 +198,7 @@ def frame_program(scalar: str) -> Program:
     with block.leave_when(block.op("bad", "not", finite)):
         block.store("y", integer(0), real(-1))
     truncated = block.let("whole", Trunc(x))
-    small = block.op("small", "ilt", truncated, integer(2))
+    small = block.op("is_small", "ilt", truncated, integer(2))
     start = block.let("start", Select(small, truncated, integer(2)))
     with block.loop("i", 2) as loop:
         total = loop.carry("total", real(0))
