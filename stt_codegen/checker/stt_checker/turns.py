@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from .exact import Unusable, number, require
-from .sets import Inside, Obstacle, axes_of, dot
+from .sets import Inside, Obstacle, axes_of, dot, spread_over
 
 IMAGE_LIMIT = 64  # images of one unsafe set
 TURN_LIMIT = 100  # full turns that a measurement or a set may be away
@@ -155,8 +155,7 @@ class Turns:
             normals = [([normal[j] for j in obstacle.axes], offset) for normal, offset in obstacle.faces]
             if len(normals) > 32 or len(edges) > 3:
                 raise Unusable("the task has more half-spaces than can be checked in good time")
-            own = [dict(zip(obstacle.axes, p, strict=True)) for p in corners(normals, edges)]
-            ends = [[p.get(j, Fraction(0)) for j in range(task.n)] for p in own]
+            ends = [spread_over(obstacle.axes, p, task.n) for p in corners(normals, edges)]
             extent = Fraction(0)
             if not ends or not all(edges[column][0] < p[i] < edges[column][1] for p in ends):
                 raise Unusable("the task has half-spaces that leave a set empty, or open in an axis that closes")
@@ -165,6 +164,8 @@ class Turns:
         reach = task.clearance + extent + task.body[i] + obstacle.radius + grown + period / 8
         first = math.ceil((lower[i] - reach - max(p[i] for p in ends) - max(by)) / period)
         last = math.floor((upper[i] + reach - min(p[i] for p in ends) - min(by)) / period)
+        if last - first > IMAGE_LIMIT:
+            raise Unusable("the task has a set with more images than can be checked in good time")
         return sorted({0, *range(first, last + 1)}, key=lambda k: (abs(k), -k))
 
     def add_noise(self, bits: int) -> None:
