@@ -4,7 +4,8 @@ import math
 from fractions import Fraction
 from typing import Any
 
-from .exact import require, rounded
+from .exact import require, require_in_range, rounded
+from .inertia import filtered_tube
 from .law import Law
 from .limits import emitted_limits
 from .tube import Tube
@@ -13,7 +14,6 @@ IEEE = {  # bytes of a number, an unsigned word of that size, the bits of 1/sqrt
     "float": (4, "uint32_t", "0x3f3504f3U", 23, "0x7fffffU"),
     "double": (8, "uint64_t", "0x3fe6a09e667f3bcdU", 52, "0xfffffffffffffU"),
 }
-LARGEST = {"float": 1 << 126, "double": 1 << 1022}  # a quarter of the largest number
 NARROWEST = Fraction(1, 1 << 20)  # of a width that `transform` divides by
 BEND, LN_2 = Fraction("0.67660441"), Fraction("0.693147180559945309417232121458")  # of the logarithm; the first always as a float
 
@@ -33,9 +33,23 @@ def options_of(task: Any, law: Law, has_phase: bool) -> set[str]:
     return options | {name for name, value in stated.items() if value}
 
 
+def check_products(task: Any, tube: Tube, law: Law) -> None:
+    """Require that products stay in range: of the gain and xi, from 4/W to 2/(W share) where the tube that the law is about is W
+    wide; of an edge and lambda; of a slope and the segments in a second. Other factors, weights and epsilon, are small."""
+    edges, unit = (filtered_tube(task, tube, law.filters)[0], Fraction(1)) if task.order == 2 else (tube.pieces, tube.unit)
+    largest = 6 * max(abs(v) for row in tube.table for pair in row for v in pair) * tube.unit
+    require_in_range(largest * tube.segments / task.t_c, *(largest * s for s in law.filters))
+    for i, (gain, e_max) in enumerate(zip(law.gain, task.e_max, strict=True)):
+        is_apart = min((1 - e_max) / 8, e_max / 4096) >= Fraction(1, 1 << law.bits)
+        require(is_apart, "e_max is too near 0 or 1 for the scalar")
+        widths = [(h - v) * unit for piece in edges for v, h in zip(*piece[i], strict=True)]
+        require_in_range(gain * 4 / max(widths), gain * 4 / (min(widths) * (1 - e_max)))
+
+
 def values_of(task: Any, tube: Tube, law: Law, starts: dict[str, list[Fraction]]) -> dict[str, Any]:
     """Return the numbers and words of the listings by name, as the scalar has them. starts: the tables of `covered`."""
     scalar, bits, n, k, t_c = law.scalar, law.bits, task.n, tube.segments, task.t_c
+    check_products(task, tube, law)
 
     def nearest(values: list[Fraction]) -> list[Fraction]:
         return [rounded(v, bits) for v in values]

@@ -8,6 +8,8 @@ from fractions import Fraction
 from typing import Any
 
 Numbers = list[Fraction]
+DIGIT_LIMIT, LARGEST = 200, 10**400  # of numbers in the task
+SMALLEST = Fraction(1, 1 << 100)  # a number of a controller is 0, or between this and its inverse: none over- or underflows
 
 
 class Refused(Exception):
@@ -33,6 +35,12 @@ def rounded(value: Fraction, bits: int, toward: Callable[[Fraction], int] = roun
     return toward(value / Fraction(2) ** exponent) * Fraction(2) ** exponent
 
 
+def require_in_range(*values: Fraction) -> None:
+    """Require that numbers of the controller, or products that it computes, are not near the ends of a scalar's range."""
+    is_in_range = all(v == 0 or SMALLEST <= abs(v) <= 1 / SMALLEST for v in values)
+    require(is_in_range, "a number or a product of the controller is near the ends of its scalar's range")
+
+
 def units_above(value: Fraction, unit: Fraction) -> int:
     """Return the smallest whole number of units that is not below the value."""
     return math.ceil(value / unit)
@@ -41,24 +49,28 @@ def units_above(value: Fraction, unit: Fraction) -> int:
 def decimal(text: str) -> Decimal:
     """Read a decimal of the task file without rounding it."""
     value = Decimal(text)
-    if not (value.is_finite() and abs(value.adjusted()) < 400):
-        raise Unusable(f"the task has {text:.40}, which is out of range")
+    if not (value.is_finite() and abs(value.adjusted()) < 400 and len(value.as_tuple().digits) <= DIGIT_LIMIT):
+        raise Unusable(f"the task has {text:.40}, which is out of range or has too many digits")
     return value
 
 
 def number(value: Any) -> Fraction:
     """Return a number of the task file."""
-    if isinstance(value, bool) or not isinstance(value, int | Decimal):
-        raise Unusable(f"the task has {value!r:.80} where a number is needed")
+    if not isinstance(value, int | Decimal) or isinstance(value, bool) or abs(Fraction(value)) > LARGEST:
+        raise Unusable(f"the task has {value!s:.80} where a number is needed")
     return Fraction(value)
 
 
-def numbers(value: Any, n: int) -> list[Fraction]:
+def numbers(value: Any, n: int) -> Numbers:
     """Return n numbers of the task file: a list of n, or one that is meant for all components."""
-    values = [number(v) for v in (value if isinstance(value, list) else [value] * n)]
-    if len(values) != n:
-        raise Unusable(f"the task has {len(values)} numbers where {n} are needed")
-    return values
+    return vector(value if isinstance(value, list) else [value] * n, n)
+
+
+def vector(values: Any, n: int) -> Numbers:
+    """Return a list of n numbers of the task file."""
+    if not isinstance(values, list) or len(values) != n:
+        raise Unusable(f"the task has {values!r:.80} where a list of {n} numbers is needed")
+    return [number(v) for v in values]
 
 
 def fractions(values: Any, n: int) -> Numbers:

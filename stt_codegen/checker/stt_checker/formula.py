@@ -9,11 +9,13 @@ import re
 from fractions import Fraction
 from typing import Any
 
-from .exact import Unusable, decimal, number, numbers
+from .exact import Unusable, decimal, number, require, vector
 
 Formula = Any
 Interval = tuple[Any, Any]
 ZERO = Fraction(0)
+FORMULA_LIMIT = 10_000  # parts of a formula whose negation is written out
+CYCLE_LIMIT = 1_000  # of a tube that repeats, which a formula may look ahead
 PRECEDENCE = ("->", "or", "and", "until")
 WORDS = (*PRECEDENCE, "always", "eventually", "not", "inf")
 DUAL = {"in": "out", "out": "in", "and": "or", "or": "and", "always": "eventually", "eventually": "always"}
@@ -36,7 +38,14 @@ def negated(f: Formula) -> Formula:
         return (DUAL[kind], parts[0], negated(parts[1]))
     (a, b), first, last = parts[0], negated(parts[1]), negated(parts[2])  # of f until g
     release = ("eventually", (a, a), ("until", (ZERO, b - a), last, joined("and", first, last)))
-    return joined("or", ("always", (a, b), last), ("eventually", (ZERO, a), first), release)
+    result = joined("or", ("always", (a, b), last), ("eventually", (ZERO, a), first), release)
+    if size(result) > FORMULA_LIMIT:
+        raise Unusable("a formula has more negations of `until` than can be checked in good time")
+    return result
+
+
+def size(f: Formula) -> int:
+    return 1 + sum(size(p) for p in f[1:] if isinstance(p, tuple) and isinstance(p[0], str))
 
 
 def parse(text: Any) -> Formula:
@@ -118,7 +127,7 @@ def of_entry(table: Any, t_c: Fraction, repeats: bool) -> Formula:
         over = (ZERO, math.inf if repeats and "until" not in table else until - pause)
         return joined("and", *(("always", over, ("eventually", (ZERO, pause), ("in", str(r)))) for r in table["patrol"]))
     stay, gap = number(table.get("stay", 0)), number(table["within"]) if "within" in table else t_c
-    begin, end = numbers(table["between"], 2) if "between" in table else (ZERO, t_c)
+    begin, end = vector(table["between"], 2) if "between" in table else (ZERO, t_c)
     visit: Formula = ("in", str(table["visit"]))
     visit = ("always", (ZERO, stay), visit) if stay else visit
     if "then" in table:
@@ -155,6 +164,7 @@ class Cycle:
 
     def unrolled(self, intervals: list[Interval], until: Fraction) -> list[Interval]:
         """Repeat what is known until `end` as far as `until`, and take the margin off both ends of every interval."""
+        require((until - self.end) / self.length <= CYCLE_LIMIT, "P10 does not hold: the mission looks too far ahead")
         copies, by = list(intervals), self.length
         while self.end + by - self.length < until + self.margin:
             copies += [(max(u, self.begin) + by, v + by) for u, v in intervals if v >= self.begin]

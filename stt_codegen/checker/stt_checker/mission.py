@@ -13,13 +13,16 @@ from .tube import Piece, Tube, avoids, by_segment, part_of
 
 DEEPEST_HALVING = 12  # of a piece whose hull is too coarse
 HALF = Fraction(1, 2)
+CHOICE_LIMIT = 400  # regions of a choice
+CELL_LIMIT = 1 << 16  # into which the edges of boxes cut a piece of the tube
 
 
 class Mission:
     """The regions and the formula of a task. A choice of regions is written out as its members."""
 
     def __init__(self, task: Any) -> None:
-        self.task, self.regions = task, dict[str, Any]()
+        self.task, self.regions, self.sizes = task, dict[str, Any](), dict[str, int]()  # size: the regions that a choice is of
+        self.sets = dict[str, Inside]()  # regions to be in that are no boxes
         for table in task.document.get("region", []):
             name, members = str(table["name"]), table.get("any_of")
             if members is None:
@@ -29,7 +32,9 @@ class Mission:
             is_word = re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) is not None and name not in WORDS
             if not is_known or not is_word or name in self.regions:
                 raise Unusable("the task has a region with a shape that is unknown here, or two regions of one name")
-            self.regions[name] = table
+            self.regions[name], self.sizes[name] = table, sum(self.sizes[m] for m in members or []) or 1
+            if self.sizes[name] > CHOICE_LIMIT:
+                raise Unusable("the task has a choice of more regions than can be checked in good time")
         entries = (of_entry(table, task.t_c, task.repeats) for table in task.document["mission"])
         self.formula = joined("and", *(self.written_out(f) for f in entries))
 
@@ -74,11 +79,13 @@ class Mission:
                 a, b = (min(low) - margin) * unit, (max(high) + margin) * unit
                 ends = [a, *sorted({v for e in edges for v in (e or [])[i] if a < v < b}), b]
                 cells.append([(p + q) / 2 for p, q in itertools.pairwise(ends)])
+            require(math.prod(map(len, cells)) <= CELL_LIMIT, "a formula has more boxes than can be checked in good time")
             holds = all(self.holds_at(f, point) for point in itertools.product(*cells))
         else:
             require(f[0] == "in", "the certificate claims a choice of regions that are not boxes")
-            region = Inside(self.regions[f[1]], self.task.names, [Fraction(0)] * self.task.n, box_has_all_axes=False)
-            holds = all(region.contains([(low[k], high[k]) for low, high in piece], margin, unit) for k in range(4))
+            if f[1] not in self.sets:
+                self.sets[f[1]] = Inside(self.regions[f[1]], self.task.names, [Fraction(0)] * self.task.n, box_has_all_axes=False)
+            holds = all(self.sets[f[1]].contains([(low[k], high[k]) for low, high in piece], margin, unit) for k in range(4))
         halves = (part_of(piece, a, a + HALF) for a in (Fraction(0), HALF))
         return holds or (depth > 0 and all(self.holds_in(f, half, tube, margin, depth - 1) for half in halves))
 

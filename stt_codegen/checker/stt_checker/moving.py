@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
-from .exact import Unusable, number, numbers
+from .exact import Unusable, number, vector
 
 Point = list[Fraction]
 KNOT_LIMIT = 200  # displacements of one motion
@@ -25,7 +25,7 @@ class Course:
         still = [(Fraction(0), [Fraction(0)] * task.n)]
         self.knots = [(number(at), [by.get(i, Fraction(0)) for i in range(task.n)]) for at, by in moves] or still
         times = [at for at, _ in self.knots]
-        ends: list[Fraction] = numbers(table["during"], 2) if "during" in table else [-self.early, t_c + self.late]
+        ends: list[Fraction] = vector(table["during"], 2) if "during" in table else [-self.early, t_c + self.late]
         self.first, self.last = ends
         is_ordered = "during" not in table or 0 <= self.first < self.last <= t_c
         if not is_ordered or min(timing, self.spread, *times) < 0 or max(times) > t_c or sorted({*times}) != times:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any
 
-from .exact import Unusable, number, numbers, require
+from .exact import Unusable, number, require, vector
 from .moving import Course
 
 # The fields that describe the shape of a set, in every combination that is known. A set with any other field is refused.
@@ -37,9 +37,9 @@ def axes_of(table: Any, names: list[str]) -> list[int]:
 
 def points(value: Any, d: int) -> list[list[Fraction]]:
     """Return a list of points or normals with d coordinates each."""
-    if not isinstance(value, list) or not value or not all(isinstance(p, list) for p in value):
-        raise Unusable("the task has a set whose points are no lists")
-    return [numbers(p, d) for p in value]
+    if not isinstance(value, list) or not value:
+        raise Unusable("the task has a set without a list of points")
+    return [vector(p, d) for p in value]
 
 
 def box(table: Any, d: int) -> tuple[list[Fraction], list[Fraction]]:
@@ -53,7 +53,7 @@ def box(table: Any, d: int) -> tuple[list[Fraction], list[Fraction]]:
 def half_spaces(table: Any, d: int) -> list[HalfSpace]:
     """Return the half-spaces that a set lists as `normals` and `offsets`."""
     normals = points(table["normals"], d)
-    return list(zip(normals, numbers(table["offsets"], len(normals)), strict=True))
+    return list(zip(normals, vector(table["offsets"], len(normals)), strict=True))
 
 
 def hull_faces(corners: list[list[Fraction]], d: int) -> list[HalfSpace]:
@@ -67,10 +67,10 @@ def hull_faces(corners: list[list[Fraction]], d: int) -> list[HalfSpace]:
             normal = [u[0][j] * u[1][k] - u[0][k] * u[1][j] for j, k in ((1, 2), (2, 0), (0, 1))]
         else:
             normal = [Fraction(1)] if d == 1 else [u[0][1], -u[0][0]]
-        heights = [dot(normal, p) for p in corners]
+        height = dot(normal, first)
         for sign in (1, -1):
-            if any(normal) and sign * dot(normal, first) == max(sign * h for h in heights):
-                faces.append(([sign * c for c in normal], sign * dot(normal, first)))
+            if any(normal) and all(sign * dot(normal, p) <= sign * height for p in corners):
+                faces.append(([sign * c for c in normal], sign * height))
     return faces
 
 
@@ -105,7 +105,7 @@ class Inside:
             if not listed:
                 raise Unusable("the task has a set whose vertices have no interior")
         if "centre" in table:
-            self.ball = numbers(table["centre"], d), number(table["radius"])
+            self.ball = vector(table["centre"], d), number(table["radius"])
         faces += [(spread_over(self.axes, normal, n), offset) for normal, offset in listed]
         self.faces = [(normal, offset - dot(map(abs, normal), body)) for normal, offset in faces]
         is_empty = not (self.faces or self.ball) or (self.ball is not None and self.ball[1] <= 0)
@@ -141,7 +141,7 @@ class Obstacle:
     a box that is within half-spaces. The robot's body is about all of it."""
 
     def __init__(self, table: Any, name: str, task: Any) -> None:
-        self.name, self.body, self.axes = str(table.get("name") or name), task.body, axes_of(table, task.names)
+        self.name, self.body, self.axes = name, task.body, axes_of(table, task.names)
         form, d, axes = {*table} & SHAPE_FIELDS, len(self.axes), self.axes
         self.radius = number(table.get("radius", 0))
         if form not in FORMS or ("radius" in table and self.radius <= 0):

@@ -12,10 +12,9 @@ from functools import cache
 from itertools import zip_longest
 from typing import Any
 
-from .exact import Refused, require, rounded
+from .exact import Refused, require, require_in_range, rounded
 
 LISTINGS = ("listing_controller.c", "listing_order2.c", "listing_files.c", "listing_integers.c")
-SMALLEST = Fraction(1, 1 << 100)  # a number of a controller is 0, or between this and its inverse: none over- or underflows
 REAL = re.compile(r"\d+\.\d+(e-?\d{1,3})?")
 TOKEN = re.compile(
     r"(?P<skip>[ \n]+|/\*.*?\*/)|(?P<line>#[^\n]*)|\$\d+(?:/\d+)?|(?:\d+\.\d+(?:e-?\d{1,3})?F?|0x[0-9a-f]+U|\d+U?)(?!\w)"
@@ -77,8 +76,7 @@ def chosen_lines(name: str, options: set[str], closed: Sequence[int] = ()) -> li
 
 def spelled(value: Fraction) -> str:
     """Return a number as `fill` writes it: $3/4, or (-$3/4)."""
-    in_range = value == 0 or SMALLEST <= abs(value) <= 1 / SMALLEST
-    require(in_range, "a number of the controller is near the ends of its scalar's range")
+    require_in_range(value)
     return f"(-${-value})" if value < 0 else f"${value}"
 
 
@@ -92,7 +90,6 @@ def fill(name: str, options: set[str], task_name: str, values: dict[str, Any]) -
             return ", ".join((spelled(v) if isinstance(v, Fraction) else str(v)).strip("()") for v in value)
         return spelled(value) if isinstance(value, Fraction) else str(value)
 
-    require(re.fullmatch(r"[A-Za-z_]\w*", task_name, re.ASCII) is not None, "the task's name is no word")
     text = "\n".join(chosen_lines(name, options, values.get("closed", ())))
     text = re.sub(r"\bP(?=[_.])|\bM(?=_)", lambda match: task_name if match[0] == "P" else task_name.upper(), text)
     return tokens(re.sub(r"\$([a-z]\w*?)(?=U?\b)", value_of, text))

@@ -2,12 +2,13 @@
 
 import hashlib
 import json
+import re
 import tomllib
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from .exact import Unusable, decimal, number, numbers
+from .exact import Unusable, decimal, number, numbers, vector
 from .moving import Course
 from .sets import Inside, Obstacle, axes_of, box, points
 
@@ -65,13 +66,15 @@ class Task:
         document = tomllib.loads(data.decode("utf-8-sig"), parse_float=decimal)
         self.digest = hashlib.sha256(json.dumps(canonical(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
         refuse_unknown_keys(document)
-        self.document, self.name, self.t_c = document, str(document["name"]), number(document["prescribed_time"])
+        self.document, self.name, self.t_c = document, document["name"], number(document["prescribed_time"])
         self.state = [number(v) for v in document["initial_state"]]
         n = self.n = len(self.state)
         self.names = document.get("axes") or [f"x{i + 1}" for i in range(n)]
-        if not len({*self.names}) == len(self.names) == n:
-            raise Unusable("the task does not have one name for each dimension, or has one twice")
-        self.body, self.start_delay = numbers(document.get("body", 0), n), number(document.get("start_delay", 0))
+        names = [self.name, *self.names, *(table.get("name", "") for table in document.get("unsafe", []))]
+        are_names = all(isinstance(name, str) for name in names) and re.fullmatch(r"[A-Za-z]\w*", self.name, re.ASCII)
+        if not are_names or len(self.names) != n or len({*self.names}) < n:
+            raise Unusable("the task has a name that is no word, or axes that are not one name for each dimension")
+        self.body, self.start_delay = vector(document.get("body", [0] * n), n), number(document.get("start_delay", 0))
         self.start = box(document["initial_set"], n)
         self._read_tube(document.get("tube", {}))
         self._read_sets(document)
@@ -106,7 +109,7 @@ class Task:
         if self.target is not None and "lower" not in document["target_set"]:  # a ball: other axes are those of the state space
             free = [i for i in range(n) if i not in self.target.axes]
             self.target.faces += [face for i in free for face in self.space.faces[2 * i : 2 * i + 2]]
-        tables = [(str(table.get("name") or f"U{j}"), table) for j, table in enumerate(document.get("unsafe", []), 1)]
+        tables = [(table.get("name") or f"U{j}", table) for j, table in enumerate(document.get("unsafe", []), 1)]
         if self.turns is None:
             self.unsafe = [Obstacle(table, name, self) for name, table in tables]
         else:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from .exact import Unusable, number, require
-from .sets import Inside, Obstacle, axes_of, dot
+from .sets import Inside, Obstacle, axes_of, dot, spread_over
 
 IMAGE_LIMIT = 64  # images of one unsafe set
 TURN_LIMIT = 100  # full turns that a measurement or a set may be away
@@ -165,6 +165,8 @@ class Turns:
         reach = task.clearance + extent + task.body[i] + obstacle.radius + grown + period / 8
         first = math.ceil((lower[i] - reach - max(p[i] for p in ends) - max(by)) / period)
         last = math.floor((upper[i] + reach - min(p[i] for p in ends) - min(by)) / period)
+        if last - first > IMAGE_LIMIT:
+            raise Unusable("the task has a set with more images than can be checked in good time")
         return sorted({0, *range(first, last + 1)}, key=lambda k: (abs(k), -k))
 
     def add_noise(self, bits: int) -> None:
