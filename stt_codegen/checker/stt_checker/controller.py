@@ -54,10 +54,6 @@ def values_of(task: Any, tube: Tube, law: Law, starts: dict[str, list[Fraction]]
     def nearest(values: list[Fraction]) -> list[Fraction]:
         return [rounded(v, bits) for v in values]
 
-    for gain, e_max in zip(law.gain, task.e_max, strict=True):  # |u| = |k| (1/a + 1/b) |ln(b/a)| with a, b >= c width; 64 > |ln|
-        is_resolved = min((1 - e_max) / 8, e_max / 4096) * 2**bits >= 1  # and 256 |gain| / ((1 - e_max) NARROWEST) is no overflow
-        is_held = is_resolved and abs(gain) * 256 < LARGEST[scalar] * (1 - e_max) * NARROWEST
-        require(is_held, "its scalar does not hold the law: the gain is too large, or e_max is too near 0 or 1")
     size, word, cut, places, mask = IEEE[scalar]
     entries = [v * tube.unit for row in tube.table for pair in row for v in pair]
     values: dict[str, Any] = {

@@ -155,8 +155,7 @@ class Turns:
             normals = [([normal[j] for j in obstacle.axes], offset) for normal, offset in obstacle.faces]
             if len(normals) > 32 or len(edges) > 3:
                 raise Unusable("the task has more half-spaces than can be checked in good time")
-            by_axis = [dict(zip(obstacle.axes, p, strict=True)) for p in corners(normals, edges)]
-            ends = [[p.get(j, Fraction(0)) for j in range(task.n)] for p in by_axis]
+            ends = [spread_over(obstacle.axes, p, task.n) for p in corners(normals, edges)]
             extent = Fraction(0)
             if not ends or not all(edges[column][0] < p[i] < edges[column][1] for p in ends):
                 raise Unusable("the task has half-spaces that leave a set empty, or open in an axis that closes")
