@@ -209,7 +209,7 @@ def functions(piece: str) -> Iterator[str]:
             comment = f"  (*{text[2:-2]}*)\n"
             continue
         match = re.fullmatch(r"(?:static inline )?(\w+) P_(\w+)\((.+)\)", text)
-        if match is None or next(lines)[1] != "{":
+        if match is None or next(lines, (None, ""))[1] != "{":
             raise ValueError(f"the listing has {text!r} where a function begins")
         result, function, parameters = match.groups()
         body = joined(block(lines))
