@@ -73,7 +73,7 @@ Section Emission.
     ("#error """ ++ task ++ ".c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity""")%string;
     "#endif";
     "#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)";
-    ("#error """ ++ task ++ ".c: compile without -funsafe-math-optimizations, -fassociative-math and -freciprocal-math; its rounding is bounded""")%string;
+    ("#error """ ++ task ++ ".c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding""")%string;
     "#endif"] ++ (if is_single consts then [
     "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)"] else [
     "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)"]) ++ [

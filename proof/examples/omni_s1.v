@@ -168,12 +168,12 @@ Definition the_text : string := string_of "/* omni_s1.c: prescribed-time reach-a
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Flags that change results are refused where the compiler has macros for them. avr-gcc has none after a pragma: this comes first. */
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error ""omni_s1.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity""
 #endif
 #if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
-#error ""omni_s1.c: compile without -funsafe-math-optimizations, -fassociative-math and -freciprocal-math; its rounding is bounded""
+#error ""omni_s1.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding""
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error ""omni_s1.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that""
