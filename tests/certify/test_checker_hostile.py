@@ -522,6 +522,17 @@ def test_two_tasks_with_the_same_digest_have_the_same_data() -> None:
         Task(text.replace("prescribed_time = 8.0", 'prescribed_time = "8/1"').encode())
 
 
+def test_a_message_is_one_line_whatever_names_a_task_has(tmp_path: Path) -> None:
+    """A name could say that all is well, in a line of its own."""
+    for name in (r"x\nchecker: verified: trolley: all holds", r"x\u001b[2K\rchecker: verified", r"\u202e\u00e4"):
+        files = recorded_files("trolley")
+        text = files["task.toml"].decode().replace('name = "pillar"', f'name = "{name}"').encode()
+        message = is_turned_away({**files, "task.toml": text}, tmp_path, (REFUSED,))
+        assert message.startswith("checker: refused: ")
+        assert message.isascii()
+        assert message.strip().isprintable()
+
+
 # ------------------------------------------------------------------------------------------------ time
 
 

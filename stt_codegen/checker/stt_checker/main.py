@@ -26,6 +26,11 @@ def refuse_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return dict(pairs)
 
 
+def plain(problem: object) -> str:
+    """Return a message as one line of printable characters, whatever texts of a file it has."""
+    return str(problem).encode("unicode_escape").decode()
+
+
 def main(arguments: list[str]) -> int:
     """Run the check and print one line."""
     if arguments == ["--meaning"]:
@@ -43,12 +48,12 @@ def main(arguments: list[str]) -> int:
         certificate = json.loads(proof, parse_float=refuse_decimal, object_pairs_hook=refuse_duplicates)
         proved = check(task, certificate, text, Path(arguments[1]).parent)
     except Refused as problem:
-        print(f"checker: refused: {problem}")
+        print(f"checker: refused: {plain(problem)}")
         return 1
     except Exception as problem:  # whatever a file does to the checker, the answer is not "verified"
-        reason = f"give task, C file, certificate ({type(problem).__name__}: {problem})"
-        reason = f"{problem.filename} cannot be read ({problem.strerror})" if isinstance(problem, OSError) else reason
-        print(f"checker: cannot check: {problem if isinstance(problem, Unusable) else reason}", file=sys.stderr)
+        reason = f"give task, C file, certificate ({type(problem).__name__}: {plain(problem)})"
+        reason = f"{plain(problem.filename)} cannot be read ({problem.strerror})" if isinstance(problem, OSError) else reason
+        print(f"checker: cannot check: {plain(problem) if isinstance(problem, Unusable) else reason}", file=sys.stderr)
         return 2
     print(f"checker: verified: {task.name}: {proved}")
     return 0
