@@ -23,7 +23,7 @@ from tests.support.controllers import ROOT, controller_of
 
 MODULES = sorted((FOLDER / "stt_checker").glob("*.py"))
 # Lines that may be read; what computes again what the listings mean is read once.
-LINE_LIMIT = 2480  # of Python, without MEANING
+LINE_LIMIT = 2490  # of Python, without MEANING
 LINE_LIMIT_OF_A_FILE = 225
 LONGER_FILES = {"claims.py": 229}
 LINE_LIMIT_OF_AN_ORDINARY_READER = 1350  # of Python, for float or double, order 1, no period, no mission, no set that moves
