@@ -12,7 +12,7 @@ INTEGERS := $(sort $(shell grep -l '^scalar = "fixed"' tasks/*.toml))
 TASKS := $(filter-out $(INTEGERS),$(sort $(wildcard tasks/*.toml)))
 CASE_STUDY := tasks/omni_s1.toml tasks/omni_s2.toml tasks/omni_s3.toml
 
-.PHONY: demo test integration generate check peers policies physics ros ends lock clean help
+.PHONY: demo test integration generate check checker peers policies physics ros ends lock clean help
 
 help:
 	@sed -n 's/^# //p' Makefile | head -3
@@ -54,6 +54,11 @@ generate: $(STAMP)
 
 check: $(STAMP)
 	@$(BIN)/stt-codegen check generated
+
+# The stand-alone checker as one file, dist/checker.pyz: the same bytes on every machine. It needs Python 3.11 and nothing else.
+checker: $(STAMP)
+	@mkdir -p dist
+	@$(BIN)/python -m stt_codegen.checker.archive dist/checker.pyz
 
 $(STAMP): locks/requirements.lock pyproject.toml
 	@.ci/tools python

@@ -152,8 +152,15 @@ JOBS = (
     ),
     slow_tests("benchmarks/bench", "Arenas give the same results in one process, in two, and on a Dask cluster.", 0.5),
     slow_tests(
-        "certify/checker", "The stand-alone checker refuses tubes that are bent and hashed again.", 1,
+        "certify/checker_claims", "The stand-alone checker refuses tubes that are bent and hashed again.", 1,
         helpers=(*CHECKED, *MUTANTS)
+    ),
+    slow_tests(
+        "certify/listing_meaning", "The listing of every combination of options does what the specification says.", 3,
+        helpers=CHECKED
+    ),
+    slow_tests(
+        "certify/listing_mutants", "A wrong statement of a listing is noticed, by the symbolic machine and by --meaning.", 20,
     ),
     slow_tests("cli/cli", "A command whose reader closes the pipe ends without an error.", 1),
     slow_tests(
@@ -327,7 +334,7 @@ JOBS = (
     ),
     # proofs
     script(
-        "gappa", "Gappa confirms the rounding bound of every shipped controller.", 2, "benchmarks/gappa.py",
+        "gappa", "Gappa confirms the constants of P7, and the spline time of every shipped controller.", 1, "benchmarks/gappa.py",
         (
             *SHIPPED[:1], "stt_codegen/theorem", *PACKAGE,
         ),
@@ -362,6 +369,8 @@ UNLISTED = {  # scripts of benchmarks/ with an exit code that are no job, and wh
     "ends.py": "make ends runs it: it installs the oldest versions apart.",
     "page.py": "It measures seconds and frames, which depend on the machine; it fails only without a browser.",
     "public_maps.py": "It needs maps that are not in the repository.",
+    "checker.py": "It measures; that shipped controllers are verified is in make test.",
+    "same_outputs.py": "It compares with another commit, where a change must leave what controllers compute as it was.",
     "ros.py": "tests-ros2 runs it, in the environment that has ROS 2.",
 }
 

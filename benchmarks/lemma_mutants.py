@@ -44,6 +44,7 @@ from stt_codegen.lemmas.paper import transform, update_cells
 from stt_codegen.lemmas.sampling import first_exit, sampled_evaluated, sampled_exact, sampled_windows
 from stt_codegen.lemmas.sets import task_constraints as constraint_lemmas
 from stt_codegen.lemmas.tube import spline_edges
+from stt_codegen.paper import refined_tube
 from stt_codegen.program.analyse import exact_logarithm as enclosed
 from stt_codegen.program.convert.from_casadi import lower
 from stt_codegen.program.nodes import (
@@ -623,7 +624,7 @@ def shipped_kernel_subjects() -> list[Subject]:
 
 def small_kernel_subjects() -> list[Subject]:
     """Return a subject for each of SMALL_KERNELS; all lemmas of its module run with the mutant."""
-    wide = examples.cases()["wide"].program
+    kernels = {k.name: k for k in (*examples.cases()["limited"].program.kernels, lower(refined_tube.blend()))}
     subjects = []
     for name, module in SMALL_KERNELS.items():
 
@@ -638,7 +639,7 @@ def small_kernel_subjects() -> list[Subject]:
             finally:
                 module.lower = lower
 
-        subjects.append(Subject(name, wide.kernel(name), kernel_comparison(wide.kernel(name)), verdicts))
+        subjects.append(Subject(name, kernels[name], kernel_comparison(kernels[name]), verdicts))
     return subjects
 
 
@@ -659,7 +660,8 @@ def emitted_function_subjects() -> list[Subject]:
 
 
 FUNCTIONS_WITH_KERNEL: Mapping[str, tuple[str, ...]] = {
-    "segment": ("wide_tube", "narrow_control"),
+    "segment": ("tube", "control"),
+    "edge_at": ("tube", "margin"),
     "segment_at_tick": ("control_tick",),
     "hold": ("adaptive_tube",),
 }

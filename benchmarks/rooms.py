@@ -40,7 +40,7 @@ from benchmarks.oracles.rooms import (
     times_outside,
 )
 from benchmarks.suites.report import command, machine, record
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task
 from stt_codegen.task.load import parse_task
@@ -289,7 +289,7 @@ def checker_refusal(files: dict[str, bytes]) -> str:
             Path(folder, name).write_bytes(data)
         output = io.StringIO()
         with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
-            code = checker.main([f"{folder}/room.{end}" for end in ("task.toml", "c", "certificate.json")])
+            code = check_files([f"{folder}/room.{end}" for end in ("task.toml", "c", "certificate.json")])
     return output.getvalue().strip() if code else ""
 
 

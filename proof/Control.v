@@ -84,11 +84,18 @@ Definition control_input (A : arithmetic) (consts : constants) (i : Z) (L U x : 
 Fixpoint last_stored {A} (x : string) (i : Z) (out : array_stores A) : option (float A) :=
   match out with [] => None | (y, j, v) :: r => if String.eqb x y then if (i =? j)%Z then Some v else last_stored x i r else last_stored x i r end.
 
+(* The common statements of `control` and `control_tick`. The position comes from a function of the time or of the count of ticks. *)
+Definition statements_after_clock (consts : constants) (segment clock : string) : list statement :=
+  inputs_that_are_not_finite_statements consts ++ [Declare TInt "row"; Declare TReal "s"; CallKernel segment [Var clock] ["row"; "s"]] ++ law_statements consts.
+(* The bodies of their loops over dimensions: the test of the inputs, and the law. *)
+Definition body_of_loop (s : statement) : list statement := match s with For _ _ body => body | _ => [] end.
+Definition finite_test_body (consts : constants) : list statement := body_of_loop (nth 0 (sum_of_zeros_statements consts) (Return None)).
+Definition control_body (consts : constants) : list statement := body_of_loop (nth 6 (law_statements consts) (Return None)).
+
 Ltac reduce := cbv beta iota zeta delta
-  [exponent_function mantissa_function segment_function segment_at_tick_function basis_function blend_function transformed_error_function law_function tube_function control_function control_tick_function
+  [exponent_function mantissa_function segment_function segment_at_tick_function basis_function edge_at_function transformed_error_function law_function tube_function control_function control_tick_function
    kernel_of_function run_function bind_parameters has_type parameters body run_statement run_block expression_value value_of values_of lookup_name assign_name assign_names apply_operator choose pointer_results leave_block
    String.eqb Ascii.eqb Bool.eqb app rev List.length skipn Nat.sub negb
-   statements_after_clock finite_test_statements dimension_loop_statements position_statements lower_statements upper_statements law_statements clamp_share_statements gain_statements limit_statements saturation_statements control_body tube_body finite_test_body blend_call
    math_library log_name].
 
 (* The integers of a text with ticks fit 31 bits. *)
@@ -114,18 +121,19 @@ Section Kernels.
   Variable consts : constants.
   Notation number := (float A).
   Variable known_kernels : list (string * kernel_meaning A).
+  Variable entries : string -> Z -> option number.
 
   Lemma segment_runs t segment : to_integer A (spline_time A consts t) = Some segment ->
     (-2147483648 <= segment <= 2147483647)%Z -> (-2147483648 <= 2 * dimensions consts <= 2147483647)%Z ->
     (-2147483648 <= segment * (2 * dimensions consts) <= 2147483647)%Z ->
-    kernel_of_function A known_kernels (fun _ _ => None) (segment_function consts) [RealValue t] =
+    kernel_of_function A known_kernels entries (segment_function consts) [RealValue t] =
     Some ([IntValue (segment * (2 * dimensions consts))%Z; RealValue (position_in_segment A (spline_time A consts t) segment)], None).
   Proof.
     intros E H1 H2 H3. unfold spline_time in E. cbv zeta in E.
     reduce. rewrite E. repeat (rewrite !int32_in_range by assumption; cbv beta iota). reflexivity.
   Qed.
   Lemma segment_at_tick_runs c tick : ticks_fit_31_bits c -> (0 <= tick <= 4294967295)%Z -> (0 < dimensions consts /\ 2 * dimensions consts * tick_segments c <= 2147483647)%Z ->
-    kernel_of_function A known_kernels (fun _ _ => None) (segment_at_tick_function consts c) [UnsignedValue tick] =
+    kernel_of_function A known_kernels entries (segment_at_tick_function consts c) [UnsignedValue tick] =
     Some ([IntValue (tick_segment c tick * (2 * dimensions consts))%Z; RealValue (tick_position_in_segment A c tick)], None).
   Proof.
     intros S T N. assert (R := tick_parts_range c tick S (proj1 T)). destruct R as ([P1 P2] & [S1 S2] & [R1 R2]). destruct S as ([M M1] & D & K & [L0 L1] & LM & DK).
@@ -144,22 +152,26 @@ Section Kernels.
     rewrite if_less_is_minimum. fold (tick_parts c tick). rewrite (proj2 (Z.ltb_lt _ _) D), Q, int32_in_range by exact W. cbv beta iota. rewrite !int32_in_range by lia. cbv beta iota. rewrite if_less_is_minimum. fold (tick_segment c tick).
     rewrite int32_in_range by exact Z3. cbv beta iota. fold (tick_parts_in_segment c tick). rewrite int32_in_range by exact Z5. cbv beta iota. rewrite int32_in_range by lia. cbv beta iota. rewrite int32_in_range by exact Z4. reflexivity.
   Qed.
-  Lemma basis_runs s : kernel_of_function A known_kernels (fun _ _ => None) basis_function [RealValue s] =
+  Lemma basis_runs s : kernel_of_function A known_kernels entries basis_function [RealValue s] =
     Some ([RealValue (weight0 A s); RealValue (weight1 A s); RealValue (weight2 A s); RealValue (weight3 A s)], None).
   Proof. reflexivity. Qed.
-  Lemma blend_runs w0 w1 w2 w3 q0 q1 q2 q3 :
-    kernel_of_function A known_kernels (fun _ _ => None) blend_function [RealValue w0; RealValue w1; RealValue w2; RealValue w3; RealValue q0; RealValue q1; RealValue q2; RealValue q3] =
-    Some ([], Some (RealValue (blend A w0 w1 w2 w3 q0 q1 q2 q3))).
-  Proof. reflexivity. Qed.
-  Lemma law_runs g x e : kernel_of_function A known_kernels (fun _ _ => None) law_function [RealValue g; RealValue x; RealValue e] = Some ([], Some (RealValue (negate A (mul A (mul A g x) e)))).
+  (* The edge's four entries stand at `at_` and one, two and three rows after it, all within the table. *)
+  Lemma edge_at_runs coefficient length at_ w0 w1 w2 w3 : (0 < dimensions consts)%Z -> (0 <= at_)%Z -> (at_ + 6 * dimensions consts < length)%Z -> (length <= 2147483647)%Z ->
+    (forall z, (0 <= z < length)%Z -> entries "@coefficients" z = Some (coefficient z)) ->
+    kernel_of_function A known_kernels entries (edge_at_function consts) [IntValue at_; RealValue w0; RealValue w1; RealValue w2; RealValue w3] =
+    Some ([], Some (RealValue (blend A w0 w1 w2 w3 (coefficient at_) (coefficient (at_ + 2 * dimensions consts)%Z) (coefficient (at_ + 4 * dimensions consts)%Z) (coefficient (at_ + 6 * dimensions consts)%Z)))).
+  Proof.
+    intros N A0 A6 L E. reduce. repeat (first [rewrite E by lia | rewrite int32_in_range by lia]; cbv beta iota). reflexivity.
+  Qed.
+  Lemma law_runs g x e : kernel_of_function A known_kernels entries law_function [RealValue g; RealValue x; RealValue e] = Some ([], Some (RealValue (negate A (mul A (mul A g x) e)))).
   Proof. reflexivity. Qed.
   (* The meanings of the logarithm's helpers, or of the library's logarithm. *)
   Definition log_kernels := if has_inline_log consts
-    then [("@mantissa", kernel_of_function A (("@exponent", kernel_of_function A (math_library A (log_name consts)) (fun _ _ => None) exponent_function) :: math_library A (log_name consts)) (fun _ _ => None) mantissa_function);
-          ("@exponent", kernel_of_function A (math_library A (log_name consts)) (fun _ _ => None) exponent_function)] ++ math_library A (log_name consts)
+    then [("@mantissa", kernel_of_function A (("@exponent", kernel_of_function A (math_library A (log_name consts)) entries exponent_function) :: math_library A (log_name consts)) entries mantissa_function);
+          ("@exponent", kernel_of_function A (math_library A (log_name consts)) entries exponent_function)] ++ math_library A (log_name consts)
     else math_library A (log_name consts).
   Lemma transformed_error_runs f0 f1 segments_ a b : (exists f2, segments_ = [("@segment", f2)]) \/ (exists f2 f3, segments_ = [("@segment_at_tick", f3); ("@segment", f2)]) ->
-    kernel_of_function A (("@blend", f0) :: ("@basis", f1) :: segments_ ++ log_kernels) (fun _ _ => None) (transformed_error_function consts) [RealValue a; RealValue b] =
+    kernel_of_function A (("@edge_at", f0) :: ("@basis", f1) :: segments_ ++ log_kernels) entries (transformed_error_function consts) [RealValue a; RealValue b] =
     Some ([RealValue (negate A (emitted_log A consts (div A b a))); RealValue (div A (add A (literal A literal_one) (div A b a)) b)], None).
   Proof.
     unfold transformed_error_function, log_kernels, logarithm_statements, emitted_log, log_name.
@@ -174,10 +186,10 @@ Section Callers.
   Variable consts : constants.
   Notation number := (float A).
   Let literal_value := literal A.
-  Variables basis_kernel blend_kernel transformed_error_kernel law_kernel : kernel_meaning A.
+  Variables basis_kernel edge_at_kernel transformed_error_kernel law_kernel : kernel_meaning A.
   Variable kernels : list (string * kernel_meaning A).
   Hypothesis basis_known : lookup_name "@basis" kernels = Some basis_kernel.
-  Hypothesis blend_known : lookup_name "@blend" kernels = Some blend_kernel.
+  Hypothesis edge_at_known : lookup_name "@edge_at" kernels = Some edge_at_kernel.
   Hypothesis transformed_error_known : lookup_name "@transformed_error" kernels = Some transformed_error_kernel.
   Hypothesis law_known_ : lookup_name "@law" kernels = Some law_kernel.
 
@@ -188,12 +200,12 @@ Section Callers.
   Hypothesis segment_range : (0 <= segment < K)%Z.
   Hypothesis indices_fit_31_bits : (0 < n /\ 2 * n * (K + 3) <= 2147483647)%Z.
   Hypothesis basis_kernel_value : basis_kernel [RealValue position] = Some ([RealValue (weight0 A position); RealValue (weight1 A position); RealValue (weight2 A position); RealValue (weight3 A position)], None).
-  Hypothesis blend_kernel_value : forall w0 w1 w2 w3 q0 q1 q2 q3,
-    blend_kernel [RealValue w0; RealValue w1; RealValue w2; RealValue w3; RealValue q0; RealValue q1; RealValue q2; RealValue q3] = Some ([], Some (RealValue (blend A w0 w1 w2 w3 q0 q1 q2 q3))).
+  Hypothesis edge_at_kernel_value : forall at_ w0 w1 w2 w3, (0 <= at_)%Z -> (at_ + 6 * n < 2 * n * (K + 3))%Z ->
+    edge_at_kernel [IntValue at_; RealValue w0; RealValue w1; RealValue w2; RealValue w3] =
+    Some ([], Some (RealValue (blend A w0 w1 w2 w3 (coefficient at_) (coefficient (at_ + 2 * n)%Z) (coefficient (at_ + 4 * n)%Z) (coefficient (at_ + 6 * n)%Z)))).
   Hypothesis transformed_error_kernel_value : forall a b, transformed_error_kernel [RealValue a; RealValue b] =
     Some ([RealValue (negate A (emitted_log A consts (div A b a))); RealValue (div A (add A (literal A literal_one) (div A b a)) b)], None).
   Hypothesis law_kernel_value : forall g x e, law_kernel [RealValue g; RealValue x; RealValue e] = Some ([], Some (RealValue (negate A (mul A (mul A g x) e)))).
-  Hypothesis coefficients_readable : forall z, (0 <= z < 2 * n * (K + 3))%Z -> arrays "@coefficients" z = Some (coefficient z).
 
   (* The edges of dimension i that the statements compute. *)
   Definition lower (i : Z) : number := let at_ := (row + i * 2)%Z in edge A position (coefficient at_) (coefficient (at_ + 2 * n)) (coefficient (at_ + 4 * n)) (coefficient (at_ + 6 * n)).
@@ -251,19 +263,15 @@ Section Callers.
   (* The variables of the loop once the edges are computed, before statements that depend on tables. *)
   Definition variables_with_edges (i : Z) (outside : bool) (z : number) (f : bool) : environment A :=
     let at_ := (row + i * 2)%Z in
-    [("upper_edge", RealValue (upper i)); ("upper_q3", RealValue (coefficient (at_ + (6 * n + 1)))); ("upper_3", IntValue (at_ + (6 * n + 1))%Z);
-     ("upper_q2", RealValue (coefficient (at_ + (4 * n + 1)))); ("upper_2", IntValue (at_ + (4 * n + 1))%Z); ("upper_q1", RealValue (coefficient (at_ + (2 * n + 1)))); ("upper_1", IntValue (at_ + (2 * n + 1))%Z);
-     ("upper_q0", RealValue (coefficient (at_ + 1))); ("upper_0", IntValue (at_ + 1)%Z);
-     ("lower_edge", RealValue (lower i)); ("lower_q3", RealValue (coefficient (at_ + 6 * n))); ("lower_3", IntValue (at_ + 6 * n)%Z);
-     ("lower_q2", RealValue (coefficient (at_ + 4 * n))); ("lower_2", IntValue (at_ + 4 * n)%Z); ("lower_q1", RealValue (coefficient (at_ + 2 * n))); ("lower_1", IntValue (at_ + 2 * n)%Z);
-     ("lower_q0", RealValue (coefficient at_)); ("at", IntValue at_); ("pair", IntValue (i * 2)%Z); ("i", IntValue i); ("outside", BoolValue outside)] ++
+    [("upper_edge", RealValue (upper i)); ("lower_edge", RealValue (lower i)); ("upper_at", IntValue (at_ + 1)%Z); ("lower_at", IntValue at_); ("pair", IntValue (i * 2)%Z);
+     ("i", IntValue i); ("outside", BoolValue outside)] ++
     position_variables (variables_after_test z f).
   (* Evaluates in one pass: every pass leaves a term in the proof. *)
-  Ltac evaluate := cbv beta iota zeta delta [expression_value]; rewrite ?blend_known, ?law_known_; cbv beta iota zeta delta
+  Ltac evaluate := cbv beta iota zeta delta [expression_value]; rewrite ?edge_at_known, ?law_known_; cbv beta iota zeta delta
     [position_variables variables_with_edges variables_after_test expression_value value_of values_of lookup_name apply_operator choose String.eqb Ascii.eqb Bool.eqb negb app];
-    repeat first [ rewrite int32_in_range by (unfold row, n in *; nia) | rewrite coefficients_readable by (unfold row, n in *; nia) | rewrite inputs_readable by assumption
+    repeat first [ rewrite int32_in_range by (unfold row, n in *; nia) | rewrite inputs_readable by assumption
                  | rewrite gains_readable by first [assumption | reflexivity] | rewrite clamp_shares_readable by first [assumption | reflexivity] | rewrite limits_readable by first [assumption | reflexivity]
-                 | rewrite blend_kernel_value | rewrite law_kernel_value ]; reflexivity.
+                 | rewrite edge_at_kernel_value by (unfold row, n in *; nia) | rewrite law_kernel_value ]; reflexivity.
   Ltac step := first
     [ eapply let_step; [evaluate|reflexivity|]
     | eapply set_step; [evaluate|reflexivity|]
@@ -272,10 +280,13 @@ Section Callers.
   Ltac named v := eapply (let_step _ _ _ _ _ _ v); [first [reflexivity | evaluate]|reflexivity|].
 
   Lemma edge_statements_run i outside z f rest out : (0 <= i < n)%Z ->
-    run_block A (run_statement A kernels arrays) (lower_statements consts ++ upper_statements consts ++ rest) (("i", IntValue i) :: ("outside", BoolValue outside) :: position_variables (variables_after_test z f)) out =
+    run_block A (run_statement A kernels arrays) (edges_statements ++ rest) (("i", IntValue i) :: ("outside", BoolValue outside) :: position_variables (variables_after_test z f)) out =
     run_block A (run_statement A kernels arrays) rest (variables_with_edges i outside z f) out.
   Proof.
-    intro Hi. cbv [lower_statements upper_statements app blend_call]. do 9 step. named (RealValue (lower i)). do 8 step. named (RealValue (upper i)). reflexivity.
+    intro Hi. cbv [edges_statements places_in_the_table_statements app]. do 3 step. named (RealValue (lower i)).
+    assert (E : upper i = edge A position (coefficient (row + i * 2 + 1)%Z) (coefficient (row + i * 2 + 1 + 2 * n)%Z) (coefficient (row + i * 2 + 1 + 4 * n)%Z) (coefficient (row + i * 2 + 1 + 6 * n)%Z)).
+    { unfold upper. cbv zeta. f_equal; f_equal; ring. }
+    eapply (let_step _ _ _ _ _ _ (RealValue (upper i))); [rewrite E; evaluate|reflexivity|]. reflexivity.
   Qed.
 
   (* The body of the loop over dimensions stores the input of component i, and sets `outside` if the state is not between the edges. *)
@@ -285,12 +296,13 @@ Section Callers.
       leave_block A (("outside", BoolValue outside) :: position_variables (variables_after_test z f)) inner =
       ("outside", BoolValue (if is_inside A (lower i) (upper i) (x i) then outside else true)) :: position_variables (variables_after_test z f).
   Proof.
-    intro Hi. destruct (outputs_writable i Hi) as [w Hw]. unfold control_body. rewrite edge_statements_run by exact Hi.
+    intro Hi. destruct (outputs_writable i Hi) as [w Hw]. change (control_body consts) with (edges_statements ++ skipn (List.length edges_statements) (control_body consts)). rewrite edge_statements_run by exact Hi.
+    unfold control_body, law_statements, state_between_the_edges_statements, weights_statements, edges_statements, places_in_the_table_statements.
     set (L := lower i). set (U := upper i).
-    unfold law_statements, clamp_share_statements, gain_statements, limit_statements, saturation_statements, control_input, gain_if_upper_nearer, gain_if_lower_nearer. cbv zeta.
+    unfold control_input, gain_if_upper_nearer, gain_if_lower_nearer. cbv zeta.
     unfold constants_of_component. destruct (gains_differ consts) eqn:Sv; destruct (has_limits consts) eqn:Li; destruct (clamp_shares_differ consts) eqn:Cd;
       match goal with |- context [unlimited_input A ?o ?h ?l] => set (component_consts := o); set (high := h); set (low := l) end; (eexists; split;
-      [ cbn [app]; step;
+      [ cbn [body_of_loop nth app skipn List.length]; step;
         (* only with a table of clamp shares *)
         try named (RealValue (table_constant A (clamp_share_table consts) i));
         (* with a table of gains *)
@@ -320,14 +332,14 @@ Section Callers.
     match m with O => false | S m => let i := Z.of_nat m in if is_inside A (lower i) (upper i) (x i) then is_outside_within_first m else true end.
 
   Lemma finite_test_runs : exists out env,
-    run_loop A (run_statement A kernels arrays) "j" finite_test_body (Z.to_nat n) 0 (("zero", RealValue clock_times_zero) :: outer_variables) [] = Some (env, out, None) /\
+    run_loop A (run_statement A kernels arrays) "j" (finite_test_body consts) (Z.to_nat n) 0 (("zero", RealValue clock_times_zero) :: outer_variables) [] = Some (env, out, None) /\
     env = ("zero", RealValue (sum_times_zero number_of_dimensions)) :: outer_variables /\ out = [].
   Proof.
-    destruct (run_loop_invariant A kernels arrays "j" finite_test_body
+    destruct (run_loop_invariant A kernels arrays "j" (finite_test_body consts)
       (fun j env out => env = ("zero", RealValue (sum_times_zero (Z.to_nat j))) :: outer_variables /\ out = []) (Z.to_nat n) 0 (("zero", RealValue clock_times_zero) :: outer_variables) []) as (env & out & E & H1 & H2).
     - intros j env out Hj [-> ->]. assert (Hi : (0 <= j < n)%Z) by (unfold n in *; lia).
       do 2 eexists. split; [|split; [|reflexivity]].
-      + unfold finite_test_body. do 4 step. reflexivity.
+      + cbv [finite_test_body body_of_loop nth sum_of_zeros_statements]. do 4 step. reflexivity.
       + replace (Z.to_nat (j + 1)) with (S (Z.to_nat j)) by lia. cbn [sum_times_zero]. rewrite Z2Nat.id by lia. left_is.
     - split; reflexivity.
     - exists out, env. split; [exact E|]. split; [|exact H2]. rewrite H1. now rewrite Z.add_0_l, Nat2Z.id.
@@ -373,7 +385,7 @@ Section Callers.
     destruct (dimension_loop_runs (sum_times_zero number_of_dimensions) true) as (out & env & E & -> & St).
     destruct finite_test_runs as (out0 & env0 & E0 & -> & ->).
     exists out. eexists. split; [|exact St].
-    cbv [statements_after_clock finite_test_statements dimension_loop_statements position_statements app].
+    cbv [statements_after_clock inputs_that_are_not_finite_statements sum_of_zeros_statements law_statements weights_statements app].
     eapply loop_step; [exact E0|].
     eapply let_step; [reduce; fold literal_value; rewrite inputs_finite; reflexivity|reflexivity|].
     eapply let_step; [evaluate|reflexivity|].
@@ -406,6 +418,8 @@ Section Execute.
   Hypothesis clamp_share_table_length : clamp_shares_differ consts = true -> Z.of_nat (List.length (clamp_share_table consts)) = n.
   Hypothesis limit_table_length : has_limits consts = true -> Z.of_nat (List.length (limit_table consts)) = n.
 
+  Let file_entries := table_entry A program.
+
   Definition coefficient_at (z : Z) : number := literal A (nth (Z.to_nat z) coefficients literal_zero).
   (* The caller's arrays `x` and `u`, of n places each. *)
   Definition caller_arrays (name : string) (i : Z) : option number := if (0 <=? i)%Z then if (i <? n)%Z then Some (x i) else None else None.
@@ -431,8 +445,8 @@ Section Execute.
   Lemma caller_arrays_readable y i : (0 <= i < n)%Z -> caller_arrays y i = Some (x i).
   Proof. intros [H1 H2]. unfold caller_arrays. apply Z.leb_le in H1. apply Z.ltb_lt in H2. now rewrite H1, H2. Qed.
 
-  Lemma kernels_skip_bit_helpers f rest : f <> "@exponent" -> f <> "@mantissa" -> kernels_in_order A (filter (fun g => negb (String.eqb (function_name g) f)) (bit_helpers consts ++ rest)) (math_library A (log_name consts)) =
-    kernels_in_order A (filter (fun g => negb (String.eqb (function_name g) f)) rest) (log_kernels A consts).
+  Lemma kernels_skip_bit_helpers f rest : f <> "@exponent" -> f <> "@mantissa" -> kernels_in_order A file_entries (filter (fun g => negb (String.eqb (function_name g) f)) (bit_helpers consts ++ rest)) (math_library A (log_name consts)) =
+    kernels_in_order A file_entries (filter (fun g => negb (String.eqb (function_name g) f)) rest) (log_kernels A consts file_entries).
   Proof.
     intros H1 H2. apply not_eq_sym in H1, H2. apply String.eqb_neq in H1, H2. unfold bit_helpers, log_kernels. destruct (has_inline_log consts); [|reflexivity].
     cbn [app filter function_name exponent_function mantissa_function]. rewrite H1, H2. reflexivity.
@@ -445,19 +459,20 @@ Section Execute.
   Qed.
 
   (* The arrays that the functions may read: the file's tables, else the caller's. *)
-  Definition program_arrays (y : string) (i : Z) : option number :=
-    match lookup_name y (tables program) with
-    | Some t => if (i <? 0)%Z then None else match nth_error t (Z.to_nat i) with Some v => Some (literal A v) | None => None end
-    | None => caller_arrays y i
-    end.
+  Definition program_arrays (y : string) (i : Z) : option number := match lookup_name y (tables program) with Some _ => table_entry A program y i | None => caller_arrays y i end.
+  Lemma program_table_readable y (l : list decimal) z : lookup_name y (tables program) = Some l -> (0 <= z < Z.of_nat (List.length l))%Z -> program_arrays y z = Some (literal A (nth (Z.to_nat z) l literal_zero)).
+  Proof. intros E H. unfold program_arrays, table_entry. rewrite E. now apply table_entry_readable. Qed.
+  Lemma coefficients_of_file_readable z : (0 <= z < 2 * n * (K + 3))%Z -> file_entries "@coefficients" z = Some (coefficient_at z).
+  Proof. intro H. unfold file_entries, table_entry. rewrite lookup_coefficients. apply table_entry_readable; lia. Qed.
 
   (* The common statements, in the file, once the position is known. *)
   Section Common.
-    Variables (kernels : list (string * kernel_meaning A)) (basis_kernel blend_kernel transformed_error_kernel law_kernel segment_kernel : kernel_meaning A).
-    Hypothesis kernels_known : lookup_name "@basis" kernels = Some basis_kernel /\ lookup_name "@blend" kernels = Some blend_kernel /\ lookup_name "@transformed_error" kernels = Some transformed_error_kernel /\ lookup_name "@law" kernels = Some law_kernel.
+    Variables (kernels : list (string * kernel_meaning A)) (basis_kernel edge_at_kernel transformed_error_kernel law_kernel segment_kernel : kernel_meaning A).
+    Hypothesis kernels_known : lookup_name "@basis" kernels = Some basis_kernel /\ lookup_name "@edge_at" kernels = Some edge_at_kernel /\ lookup_name "@transformed_error" kernels = Some transformed_error_kernel /\ lookup_name "@law" kernels = Some law_kernel.
     Hypothesis basis_kernel_value : basis_kernel [RealValue position] = Some ([RealValue (weight0 A position); RealValue (weight1 A position); RealValue (weight2 A position); RealValue (weight3 A position)], None).
-    Hypothesis blend_kernel_value : forall w0 w1 w2 w3 q0 q1 q2 q3,
-      blend_kernel [RealValue w0; RealValue w1; RealValue w2; RealValue w3; RealValue q0; RealValue q1; RealValue q2; RealValue q3] = Some ([], Some (RealValue (blend A w0 w1 w2 w3 q0 q1 q2 q3))).
+    Hypothesis edge_at_kernel_value : forall at_ w0 w1 w2 w3, (0 <= at_)%Z -> (at_ + 6 * n < 2 * n * (K + 3))%Z ->
+      edge_at_kernel [IntValue at_; RealValue w0; RealValue w1; RealValue w2; RealValue w3] =
+      Some ([], Some (RealValue (blend A w0 w1 w2 w3 (coefficient_at at_) (coefficient_at (at_ + 2 * n)%Z) (coefficient_at (at_ + 4 * n)%Z) (coefficient_at (at_ + 6 * n)%Z)))).
     Hypothesis transformed_error_kernel_value : forall a b, transformed_error_kernel [RealValue a; RealValue b] =
       Some ([RealValue (negate A (emitted_log A consts (div A b a))); RealValue (div A (add A (literal A literal_one) (div A b a)) b)], None).
     Hypothesis law_kernel_value : forall g x e, law_kernel [RealValue g; RealValue x; RealValue e] = Some ([], Some (RealValue (negate A (mul A (mul A g x) e)))).
@@ -473,13 +488,12 @@ Section Execute.
       forall i, (0 <= i < n)%Z -> last_stored (A := A) "u" i out = Some (control_input A consts i (L i) (U i) (x i)).
     Proof.
       destruct kernels_known as (T1 & T2 & T3 & T4).
-      apply (statements_after_clock_run A consts basis_kernel blend_kernel transformed_error_kernel law_kernel kernels T1 T2 T3 T4 segment K position coefficient_at x program_arrays segment_range indices_fit_31_bits basis_kernel_value blend_kernel_value transformed_error_kernel_value law_kernel_value) with (segment_kernel := segment_kernel) (clock_value := clock_value); try assumption.
-      - intros z Hz. unfold program_arrays. rewrite lookup_coefficients. apply table_entry_readable; lia.
+      apply (statements_after_clock_run A consts basis_kernel edge_at_kernel transformed_error_kernel law_kernel kernels T1 T2 T3 T4 segment K position coefficient_at x program_arrays segment_range indices_fit_31_bits basis_kernel_value edge_at_kernel_value transformed_error_kernel_value law_kernel_value) with (segment_kernel := segment_kernel) (clock_value := clock_value); try assumption.
       - intros i Hi. unfold program_arrays. rewrite lookup_no_table by reflexivity. now apply caller_arrays_readable.
       - intros i Hi. exists (x i). unfold program_arrays. rewrite lookup_no_table by reflexivity. now apply caller_arrays_readable.
-      - intros Sv i Hi. unfold program_arrays. rewrite (lookup_gains Sv). apply table_entry_readable; rewrite ?(gain_table_length Sv); lia.
-      - intros Cd i Hi. unfold program_arrays. rewrite (lookup_clamp_shares Cd). apply table_entry_readable; rewrite ?(clamp_share_table_length Cd); lia.
-      - intros Li i Hi. unfold program_arrays. rewrite (lookup_limits Li). apply table_entry_readable; rewrite ?(limit_table_length Li); lia.
+      - intros Sv i Hi. apply (program_table_readable _ _ i (lookup_gains Sv)); rewrite ?(gain_table_length Sv); lia.
+      - intros Cd i Hi. apply (program_table_readable _ _ i (lookup_clamp_shares Cd)); rewrite ?(clamp_share_table_length Cd); lia.
+      - intros Li i Hi. apply (program_table_readable _ _ i (lookup_limits Li)); rewrite ?(limit_table_length Li); lia.
     Qed.
   End Common.
 
@@ -491,14 +505,14 @@ Section Execute.
 
   (* Adds the meaning of a function. Kernels are named by the function that each is: written out, each would contain all of those before
      it twice. *)
-  Definition add_kernel (ks : list (string * kernel_meaning A)) (g : function) : list (string * kernel_meaning A) := (function_name g, kernel_of_function A ks (fun _ _ => None) g) :: ks.
-  Lemma kernels_in_order_fold : forall fs ks, kernels_in_order A fs ks = fold_left add_kernel fs ks.
+  Definition add_kernel (ks : list (string * kernel_meaning A)) (g : function) : list (string * kernel_meaning A) := (function_name g, kernel_of_function A ks file_entries g) :: ks.
+  Lemma kernels_in_order_fold : forall fs ks, kernels_in_order A file_entries fs ks = fold_left add_kernel fs ks.
   Proof. induction fs as [|g fs IH]; intro ks; [reflexivity|]. exact (IH (add_kernel ks g)). Qed.
 
   (* The functions that `control` and `control_tick` may call, by what stands above them in the file. *)
-  Definition kernels_up_to_segment (segments : list function) := fold_left add_kernel segments (log_kernels A consts).
-  Definition kernels_up_to_blend segments := add_kernel (add_kernel (kernels_up_to_segment segments) basis_function) blend_function.
-  Definition kernels_up_to_law segments := add_kernel (add_kernel (kernels_up_to_blend segments) (transformed_error_function consts)) law_function.
+  Definition kernels_up_to_segment (segments : list function) := fold_left add_kernel segments (log_kernels A consts file_entries).
+  Definition kernels_up_to_edge_at segments := add_kernel (add_kernel (kernels_up_to_segment segments) basis_function) (edge_at_function consts).
+  Definition kernels_up_to_law segments := add_kernel (add_kernel (kernels_up_to_edge_at segments) (transformed_error_function consts)) law_function.
 
   Lemma kernels_up_to_law_execute segments later_functions outer_variables clock_times_zero segment_name clock_name clock_value segment_kernel :
     segments = [segment_function consts] \/ (exists c, segments = [segment_function consts; segment_at_tick_function consts c]) ->
@@ -519,21 +533,21 @@ Section Execute.
       { apply String.eqb_neq. intro Q. destruct (Ot g (or_introl eq_refl)) as [E|[E|E]]; rewrite E in Q; contradiction. }
       rewrite Ne. reflexivity. }
     apply (statements_after_clock_execute (fold_left add_kernel later_functions (kernels_up_to_law segments))
-      (kernel_of_function A (kernels_up_to_segment segments) (fun _ _ => None) basis_function) (kernel_of_function A (add_kernel (kernels_up_to_segment segments) basis_function) (fun _ _ => None) blend_function)
-      (kernel_of_function A (kernels_up_to_blend segments) (fun _ _ => None) (transformed_error_function consts))
-      (kernel_of_function A (add_kernel (kernels_up_to_blend segments) (transformed_error_function consts)) (fun _ _ => None) law_function) segment_kernel) with (clock_value := clock_value); try assumption.
+      (kernel_of_function A (kernels_up_to_segment segments) file_entries basis_function) (kernel_of_function A (add_kernel (kernels_up_to_segment segments) basis_function) file_entries (edge_at_function consts))
+      (kernel_of_function A (kernels_up_to_edge_at segments) file_entries (transformed_error_function consts))
+      (kernel_of_function A (add_kernel (kernels_up_to_edge_at segments) (transformed_error_function consts)) file_entries law_function) segment_kernel) with (clock_value := clock_value); try assumption.
     - rewrite !Past by discriminate. repeat split; reflexivity.
     - apply basis_runs.
-    - intros; apply blend_runs.
+    - intros at_ w0 w1 w2 w3 A0 A6. apply (edge_at_runs A consts) with (length := (2 * n * (K + 3))%Z); try (unfold n in *; lia). exact coefficients_of_file_readable.
     - intros a b. destruct Sg as [->|[c ->]].
-      + apply (transformed_error_runs A consts _ _ [("@segment", _)]). left; eexists; reflexivity.
-      + apply (transformed_error_runs A consts _ _ [("@segment_at_tick", _); ("@segment", _)]). right; do 2 eexists; reflexivity.
+      + apply (transformed_error_runs A consts file_entries _ _ [("@segment", _)]). left; eexists; reflexivity.
+      + apply (transformed_error_runs A consts file_entries _ _ [("@segment_at_tick", _); ("@segment", _)]). right; do 2 eexists; reflexivity.
     - intros; apply law_runs.
     - rewrite Past by (destruct Nm as [-> | ->]; discriminate). destruct Nm as [-> | ->]; exact Sn.
   Qed.
 
   Ltac chosen g := match goal with |- context [List.find ?p ?l] => change (List.find p l) with (Some g) end.
-  Ltac known_as ks := match goal with |- context [fold_left add_kernel ?l (log_kernels A consts)] => change (fold_left add_kernel l (log_kernels A consts)) with ks end; cbv iota beta.
+  Ltac known_as ks := match goal with |- context [fold_left add_kernel ?l (log_kernels A consts file_entries)] => change (fold_left add_kernel l (log_kernels A consts file_entries)) with ks end; cbv iota beta.
   Ltac started E := unfold run_function; cbn [bind_parameters has_type parameters body control_function control_tick_function app];
     repeat (eapply (let_step A _ program_arrays); [reflexivity|reflexivity|]); exact E.
 
@@ -541,17 +555,17 @@ Section Execute.
   Theorem control_executes t : to_integer A (spline_time A consts t) = Some segment -> position = position_in_segment A (spline_time A consts t) segment ->
     at_most A (sum_times_zero A x (mul A t (literal A literal_zero)) (number_of_dimensions consts)) (literal A literal_zero) = true -> stores_control_inputs "@control" (RealValue t).
   Proof.
-    intros Sk Es Fi. unfold stores_control_inputs, execute. cbn [functions program]. change (fun y i => match lookup_name y (tables program) with Some _ => _ | None => _ end) with program_arrays.
+    intros Sk Es Fi. unfold stores_control_inputs, execute. cbn [functions program]. change (fun y i => match lookup_name y (tables program) with Some _ => _ | None => _ end) with program_arrays. fold file_entries.
     unfold emitted_functions. rewrite kernels_skip_bit_helpers, find_skips_bit_helpers by discriminate. rewrite kernels_in_order_fold.
-    assert (Run : kernel_of_function A (log_kernels A consts) (fun _ _ => None) (segment_function consts) [RealValue t] = Some ([IntValue (segment * (2 * n))%Z; RealValue position], None)).
-    { rewrite Es. apply (segment_runs A consts (log_kernels A consts) t segment); auto; unfold n in *; nia. }
+    assert (Run : kernel_of_function A (log_kernels A consts file_entries) file_entries (segment_function consts) [RealValue t] = Some ([IntValue (segment * (2 * n))%Z; RealValue position], None)).
+    { rewrite Es. apply (segment_runs A consts (log_kernels A consts file_entries) file_entries t segment); auto; unfold n in *; nia. }
     assert (Ex : forall segments later_functions, segments = [segment_function consts] \/ (exists c, segments = [segment_function consts; segment_at_tick_function consts c]) ->
       (forall f, In f later_functions -> function_name f = "@tube" \/ function_name f = "@control" \/ function_name f = "@control_tick") ->
       exists out env, run_function A (fold_left add_kernel later_functions (kernels_up_to_law segments)) program_arrays (control_function consts) [RealValue t] =
         Some (env, out, Some (Some (IntValue (if is_outside_within_first A consts segment position coefficient_at x (number_of_dimensions consts) then 1 else 0)%Z))) /\
         forall i, (0 <= i < n)%Z -> last_stored (A := A) "u" i out = Some (control_input A consts i (L i) (U i) (x i))).
     { intros segments later_functions Sg Ot. destruct (kernels_up_to_law_execute segments later_functions [("t_zero", RealValue (mul A t (literal A literal_zero))); ("t", RealValue t)] (mul A t (literal A literal_zero)) "@segment" "t" (RealValue t)
-        (kernel_of_function A (log_kernels A consts) (fun _ _ => None) (segment_function consts)) Sg Ot Fi) as (out & env & E & St).
+        (kernel_of_function A (log_kernels A consts file_entries) file_entries (segment_function consts)) Sg Ot Fi) as (out & env & E & St).
       - destruct Sg as [->|[c ->]]; reflexivity.
       - now left.
       - reflexivity.
@@ -573,14 +587,14 @@ Section Execute.
     segment = tick_segment c tick -> position = tick_position_in_segment A c tick ->
     at_most A (sum_times_zero A x (literal A literal_zero) (number_of_dimensions consts)) (literal A literal_zero) = true -> stores_control_inputs "@control_tick" (UnsignedValue tick).
   Proof.
-    intros Tk Sm Ks Tr Sk Es Fi. unfold stores_control_inputs, execute. cbn [functions program]. change (fun y i => match lookup_name y (tables program) with Some _ => _ | None => _ end) with program_arrays.
+    intros Tk Sm Ks Tr Sk Es Fi. unfold stores_control_inputs, execute. cbn [functions program]. change (fun y i => match lookup_name y (tables program) with Some _ => _ | None => _ end) with program_arrays. fold file_entries.
     unfold emitted_functions. rewrite kernels_skip_bit_helpers, find_skips_bit_helpers by discriminate. rewrite kernels_in_order_fold.
-    assert (Run : forall ks, kernel_of_function A ks (fun _ _ => None) (segment_at_tick_function consts c) [UnsignedValue tick] = Some ([IntValue (segment * (2 * n))%Z; RealValue position], None)).
-    { intro ks. rewrite Es, Sk. apply (segment_at_tick_runs A consts ks c tick); auto; rewrite Ks; unfold n in *; nia. }
+    assert (Run : forall ks, kernel_of_function A ks file_entries (segment_at_tick_function consts c) [UnsignedValue tick] = Some ([IntValue (segment * (2 * n))%Z; RealValue position], None)).
+    { intro ks. rewrite Es, Sk. apply (segment_at_tick_runs A consts ks file_entries c tick); auto; rewrite Ks; unfold n in *; nia. }
     unfold if_ticks. rewrite Tk. chosen (control_tick_function consts).
     known_as (fold_left add_kernel [tube_function consts; control_function consts] (kernels_up_to_law [segment_function consts; segment_at_tick_function consts c])).
     destruct (kernels_up_to_law_execute [segment_function consts; segment_at_tick_function consts c] [tube_function consts; control_function consts] [("tick", @UnsignedValue A tick)] (literal A literal_zero) "@segment_at_tick" "tick" (@UnsignedValue A tick)
-      (kernel_of_function A (add_kernel (log_kernels A consts) (segment_function consts)) (fun _ _ => None) (segment_at_tick_function consts c))) as (out & env & E & St).
+      (kernel_of_function A (add_kernel (log_kernels A consts file_entries) (segment_function consts)) file_entries (segment_at_tick_function consts c))) as (out & env & E & St).
     - right. now exists c.
     - intros g [<-|[<-|[]]]; [now left|now right; left].
     - exact Fi.

@@ -21,23 +21,6 @@ String Notation file_text text_of bytes_of : text_scope.
 (* The suffix of real literals. *)
 Definition literal_suffix (f : format) : string := match f with Single => "F" | Double => "" end.
 
-(* The directives that the file must have, each as it stands in its line. *)
-Definition expected_directives (f : format) (consts : constants) (task : string) : list string := [
-  String.append "#include """ (String.append task ".h""");
-  "#include <float.h>"; "#include <math.h>"; "#include <stdbool.h>"; "#include <stdint.h>"] ++
-  (if has_inline_log consts then ["#include <string.h>"] else []) ++ [
-  "#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))";
-  String.append "#error """ (String.append task ".c: compile without -ffast-math; it tests its inputs for NaN and infinity""");
-  "#endif"] ++
-  match f with
-  | Single => [
-      "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)";
-      String.append "#error """ (String.append task ".c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that""")]
-  | Double => [
-      "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)";
-      String.append "#error """ (String.append task ".c: compile for double arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that""")]
-  end ++ ["#endif"].
-
 (* What the functions below return where the text has no such literal. *)
 Definition missing_literal := Decimal false 0 0.
 (* The body of the function with this name. *)
@@ -92,7 +75,7 @@ Definition constants_of (f : format) (s : option source) : constants :=
   let control := body_of "@control" fs in
   let gains := literals_selected_for control "gain" in
   Constants (loop_count control) (literal_operand_of segment "scaled") (literal_operand_of segment "early") (fst gains) (snd gains)
-    (table_of "@gain" s) (table_of "@u_max" s) (literal_operand_of control "least") (table_of "@least_share" s)
+    (table_of "@gain" s) (table_of "@u_max" s) (literal_operand_of control "smallest") (table_of "@least_share" s)
     (match f with Single => true | Double => false end) (existsb (fun g => String.eqb (function_name g) "@mantissa") fs) (tick_numbers_of fs).
 Definition coefficients_of : option source -> list decimal := table_of "@coefficients".
 

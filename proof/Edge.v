@@ -89,7 +89,7 @@ Section Machine.
 
   (* The edge is the straight-line code that Rounding.v analyses. *)
   Lemma edge_is_analysed_code (s q0 q1 q2 q3 : number) : within_power 0 s -> within_power 30 q0 -> within_power 30 q1 -> within_power 30 q2 -> within_power 30 q3 ->
-    value (edge A s q0 q1 q2 q3) = nth 23 (run_assignments round_nearest basis_blend [value s; value q0; value q1; value q2; value q3]) 0 /\ is_finite (edge A s q0 q1 q2 q3) = true.
+    value (edge A s q0 q1 q2 q3) = nth 23 (run_assignments round_nearest basis_edge [value s; value q0; value q1; value q2; value q3]) 0 /\ is_finite (edge A s q0 q1 q2 q3) = true.
   Proof.
     intros Hs H0 H1 H2 H3. destruct literal_one_value as [O1 O2]. destruct literal_three_value as [T1 T2].
     unfold edge, blend, weight0, weight1, weight2, weight3, bump_factor, one_minus_position.
@@ -116,7 +116,7 @@ Section Machine.
     destruct (mul_within_power _ _ n16 q3 S16 H3 ltac:(lia)) as [E21 S21]. set (n21 := Bmult mode_NE n16 q3) in *.
     destruct (add_within_power _ _ n20 n21 S20 S21 ltac:(lia)) as [E22 S22]. set (n22 := Bplus mode_NE n20 n21) in *.
     destruct (add_within_power _ _ n19 n22 S19 S22 ltac:(lia)) as [E23 S23]. 
-    split; [|apply S23]. rewrite E23. cbv [run_assignments basis_blend app nth Rounding.operand_value apply_operation operation_of left_operand right_operand].
+    split; [|apply S23]. rewrite E23. cbv [run_assignments basis_edge app nth Rounding.operand_value apply_operation operation_of left_operand right_operand].
     rewrite E22, E21, E20, E19, E18, E17, E16, E15, E14, E13, E12, E11, E10, E9, E8, E7, E6, E5, O1, T1. reflexivity.
   Qed.
 
@@ -271,6 +271,6 @@ Section EdgeAtPosition.
     unfold edge_at_position; cbv zeta; cbn [fst snd]. unfold coefficient. generalize [value position;
       unit * IZR (nth (segment + 0) (edge_column side i rows) 0%Z); unit * IZR (nth (segment + 1) (edge_column side i rows) 0%Z);
       unit * IZR (nth (segment + 2) (edge_column side i rows) 0%Z); unit * IZR (nth (segment + 3) (edge_column side i rows) 0%Z)].
-    intro env. f_equal. revert env. generalize basis_blend. clear. intro b. induction b as [|st rest IH]; intro env; cbn [run_assignments]; [reflexivity|]. rewrite round_nearest_is_round_to_format. apply IH.
+    intro env. f_equal. revert env. generalize basis_edge. clear. intro b. induction b as [|st rest IH]; intro env; cbn [run_assignments]; [reflexivity|]. rewrite round_nearest_is_round_to_format. apply IH.
   Qed.
 End EdgeAtPosition.

@@ -1,5 +1,5 @@
 (* The emitted edges are near the exact ones (P7). Three things round: the time that is passed, its product with K/t_c, and the
-   assignments of `basis` and `blend`. For a count of ticks the position in its segment is rounded, and nothing before that.
+   assignments of `basis` and `edge_at`. For a count of ticks the position in its segment is rounded, and nothing before that.
 
    EmittedTube.v decides the hypotheses by evaluation. docs/certificate-format.md derives the same bound (P7: `edge_error`); the lemma
    book has it as `refined.late` (docs/lemmas.md). *)
@@ -25,7 +25,7 @@ Section Emitted.
   (* The edge that the C computes at a position: segment k = fst position, and s = snd position in it. *)
   Definition edge_at_position (side : Z * Z -> Z) (i : nat) (position : nat * R) : R :=
     let q j := unit * IZR (nth (fst position + j) (edge_column side i rows) 0%Z) in
-    nth 23 (run_assignments (round_to_format format) basis_blend [snd position; q 0%nat; q 1%nat; q 2%nat; q 3%nat]) 0.
+    nth 23 (run_assignments (round_to_format format) basis_edge [snd position; q 0%nat; q 1%nat; q 2%nat; q 3%nat]) 0.
   (* The position that the C computes for a time in seconds. *)
   Definition position_of_time (t : R) : nat * R :=
     let u := emitted_spline_time t in let k := Z.to_nat (Ztrunc u) in (k, round_to_format format (u - INR k)).

@@ -74,7 +74,7 @@ Definition expect_selftest (big : string) (l : list token) : option (list token)
 (* The whole header. *)
 Definition header_ok (f : format) (task : string) (n : Z) (text : string) : bool :=
   let big := String.append (map_string to_upper task) "_" in
-  if negb (has_plain_tokens text) then false else
+  if negb (has_plain_tokens Code text) then false else
   match (
     let* l := tokenize text Between [] in
     let l := map (mark_task_name task) l in

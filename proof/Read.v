@@ -28,9 +28,17 @@ Fixpoint joins_after_blanks (c : ascii) (s : string) : bool :=
       if existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"]%char then Ascii.eqb c d else Ascii.eqb d "=" || Ascii.eqb c ">" && Ascii.eqb d ">"
   | EmptyString => false
   end.
+(* Where a character stands: in code, in a comment (after a star), or in the line of a directive. *)
+Inductive text_part := Code | Comment (star : bool) | Directive.
+Definition next_part (part : text_part) (c : ascii) (r : string) : text_part :=
+  match part with
+  | Code => if Ascii.eqb c "#" then Directive else if Ascii.eqb c "/" then match r with String "*" _ => Comment false | _ => Code end else Code
+  | Comment star => if star then if Ascii.eqb c "/" then Code else Comment (Ascii.eqb c "*") else Comment (Ascii.eqb c "*")
+  | Directive => if is_newline c then Code else Directive
+  end.
 (* The text has nothing that C changes before it forms tokens: no spliced line, trigraph, `//` comment, `/*/`, or directive within a
-   line. Nor are there two signs apart that C would join: here every sign is a token. *)
-Fixpoint has_plain_tokens (s : string) : bool :=
+   line. Nor are there, outside of directives, two signs apart that C would join: here every sign is a token. *)
+Fixpoint has_plain_tokens (part : text_part) (s : string) : bool :=
   match s with
   | EmptyString => true
   | String c r =>
@@ -41,7 +49,8 @@ Fixpoint has_plain_tokens (s : string) : bool :=
           if Ascii.eqb c "?" && Ascii.eqb d "?" then false else
           if Ascii.eqb c "/" && Ascii.eqb d "/" then false else
           if Ascii.eqb c "/" && Ascii.eqb d "*" && (match t with String e _ => Ascii.eqb e "/" | _ => false end) then false else
-          if (is_blank d || Ascii.eqb d "/") && existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"; "<"; ">"; "="; "!"]%char && joins_after_blanks c r then false else has_plain_tokens r
+          if (match part with Directive => false | _ => true end) && (is_blank d || Ascii.eqb d "/") && existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"; "<"; ">"; "="; "!"]%char && joins_after_blanks c r then false
+          else has_plain_tokens (next_part part c r) r
       | EmptyString => true
       end
   end.
@@ -170,18 +179,17 @@ Fixpoint expect_tokens (ts l : list token) : option (list token) :=
   | _, [] => None
   end.
 Definition tokens_of_helper (s : string) : list token := match tokenize s Between [] with Some l => map (mark_task_name "p") l | None => [] end.
-Definition size_check_text (bytes : string) : string := "typedef char p_real_size[(sizeof(p_real) == " ++ bytes ++ ") ? 1 : -1];".
-Definition exponent_helper_text (word cut shift : string) : string :=
-  "static inline int32_t p_exponent(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); return (int32_t)((bits - " ++ cut ++ ") >> " ++ shift ++ "); }".
-Definition mantissa_helper_text (word cut mask : string) : string :=
-  "static inline p_real p_mantissa(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); bits = ((bits - " ++ cut ++ ") & " ++ mask ++ ") + " ++ cut ++ ";" ++
-  " p_real m; (void)memcpy(&m, &bits, sizeof m); return m; }".
+(* Printed from the checker's listing: *)
+Definition size_check_text (bytes : string) : string := ("typedef char p_real_size[(sizeof(p_real) == " ++ bytes ++ "U) ? 1 : -1];")%string.
+Definition exponent_helper_text (word cut places : string) : string := ("static inline int32_t p_exponent(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); return (int32_t)((bits - " ++ cut ++ ") >> " ++ places ++ "); }")%string.
+Definition mantissa_helper_text (word cut mask : string) : string := ("static inline p_real p_mantissa(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); bits = ((bits - " ++ cut ++ ") & " ++ mask ++ ") + " ++ cut ++ "; p_real m; (void)memcpy(&m, &bits, sizeof m); return m; }")%string.
+(* End of what is printed. *)
 (* The tokens of these three texts, in single or in double precision. *)
 Record memory_layout := MemoryLayout { size_check_tokens : list token; exponent_helper_tokens : list token; mantissa_helper_tokens : list token }.
 Definition memory_layout_of (single : bool) : memory_layout :=
   if single
-  then MemoryLayout (tokens_of_helper (size_check_text "4U")) (tokens_of_helper (exponent_helper_text "uint32_t" "0x3f3504f3U" "23")) (tokens_of_helper (mantissa_helper_text "uint32_t" "0x3f3504f3U" "0x7fffffU"))
-  else MemoryLayout (tokens_of_helper (size_check_text "8U")) (tokens_of_helper (exponent_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "52"))
+  then MemoryLayout (tokens_of_helper (size_check_text "4")) (tokens_of_helper (exponent_helper_text "uint32_t" "0x3f3504f3U" "23")) (tokens_of_helper (mantissa_helper_text "uint32_t" "0x3f3504f3U" "0x7fffffU"))
+  else MemoryLayout (tokens_of_helper (size_check_text "8")) (tokens_of_helper (exponent_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "52"))
          (tokens_of_helper (mantissa_helper_text "uint64_t" "0x3fe6a09e667f3bcdU" "0xfffffffffffffU")).
 
 (* The parser, for texts whose real literals end with `suffix`: "F" in single precision, "" in double. *)
@@ -373,7 +381,7 @@ Section Parse.
 
   (* A C text as a program. *)
   Definition parse_text (task text : string) : option source :=
-    if negb (has_plain_tokens text) then None else
+    if negb (has_plain_tokens Code text) then None else
     let* l := tokenize text Between [] in
     let l := map (mark_task_name task) l in
     read_file (S (List.length l)) l.

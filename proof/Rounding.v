@@ -2,7 +2,7 @@
    result. It is proved for any rounding with a relative and an absolute error, and used for IEEE single and double precision as Flocq
    defines them.
 
-   Emitted.v applies it to the emitted kernels `basis` and `blend`, and Edge.v to the machine's own operations. docs/certificate-
+   Emitted.v applies it to the emitted kernels `basis` and `edge_at`, and Edge.v to the machine's own operations. docs/certificate-
    format.md derives the same bound (P7: `edge_error`). *)
 From Coq Require Import ZArith QArith Qreals Qminmax Qabs Qround Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core Relative.
@@ -238,10 +238,10 @@ Proof.
     rewrite <- minus_IZR. replace (m * 2 ^ e - k)%Z with 0%Z by lia. reflexivity.
 Qed.
 
-(* ------------------------------------------------------------------ the emitted kernels `basis` and `blend` *)
-(* The emitted kernels `basis` and `blend`, one assignment a line. Value 0 is s, values 1 to 4 are the coefficients q0 to q3. Values 5 to
-   16 are v0 to v11 of `basis`, 17 to 23 are v0 to v6 of `blend`; the last one is the edge. *)
-Definition basis_blend : list assignment := [
+(* ------------------------------------------------------------------ the emitted kernels `basis` and `edge_at` *)
+(* The emitted kernels `basis` and `edge_at`, one assignment a line. Value 0 is s, values 1 to 4 are the coefficients q0 to q3. Values 5 to
+   16 are v0 to v11 of `basis`, 17 to 23 are v0 to v6 of `edge_at`; the last one is the edge. *)
+Definition basis_edge : list assignment := [
   Assignment Sub (C 1) (V 0);   (* 5  v0 *)
   Assignment Mul (V 5) (V 5);   (* 6  v1 *)
   Assignment Mul (V 6) (V 5);   (* 7  v2 = w0 *)
@@ -265,7 +265,7 @@ Definition basis_blend : list assignment := [
 
 (* A bound on the error of an edge at s in [0, 1], where no coefficient is larger than `largest`. *)
 Definition spline_evaluation_error (f : format) (largest : Q) : option Q :=
-  match analyse_assignments (half_ulp f) (half_smallest f) basis_blend
+  match analyse_assignments (half_ulp f) (half_smallest f) basis_edge
           [Enclosure 0 1 0; Enclosure (- largest) largest 0; Enclosure (- largest) largest 0; Enclosure (- largest) largest 0; Enclosure (- largest) largest 0] with
   | Some out => option_map error (nth_error out 23)
   | None => None
@@ -274,7 +274,7 @@ Definition spline_evaluation_error (f : format) (largest : Q) : option Q :=
 (* The emitted kernels evaluate the cubic blend within that bound. *)
 Theorem spline_evaluation_near f largest e s a b c d : spline_evaluation_error f largest = Some e -> 0 <= s <= 1 ->
   Rabs a <= Q2R largest -> Rabs b <= Q2R largest -> Rabs c <= Q2R largest -> Rabs d <= Q2R largest ->
-  Rabs (nth 23 (run_assignments (round_to_format f) basis_blend [s; a; b; c; d]) 0 -
+  Rabs (nth 23 (run_assignments (round_to_format f) basis_edge [s; a; b; c; d]) 0 -
     (a * (1 - s)^3 + b * (3*s^3 - 6*s^2 + 4) + c * (- 3*s^3 + 3*s^2 + 3*s + 1) + d * s^3)) <= Q2R e.
 Proof.
   intros E Hs Ha Hb Hc Hd. unfold spline_evaluation_error in E.
@@ -291,7 +291,7 @@ Proof.
     unfold encloses; cbn [low high error]. rewrite Z0, Z1, Rminus_diag_eq, Rabs_R0 by reflexivity. lra. }
   destruct (all_enclosed_nth _ _ _ 23 k (S H3) N) as [_ Q].
   replace (a * (1 - s)^3 + b * (3*s^3 - 6*s^2 + 4) + c * (- 3*s^3 + 3*s^2 + 3*s + 1) + d * s^3)
-    with (nth 23 (run_assignments (fun x => x) basis_blend [s; a; b; c; d]) 0); [exact Q|].
-  cbv [run_assignments basis_blend app nth operand_value apply_operation operation_of left_operand right_operand]; ring.
+    with (nth 23 (run_assignments (fun x => x) basis_edge [s; a; b; c; d]) 0); [exact Q|].
+  cbv [run_assignments basis_edge app nth operand_value apply_operation operation_of left_operand right_operand]; ring.
 Qed.
 

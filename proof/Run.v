@@ -210,7 +210,7 @@ Section Run.
   (* A function with its arguments. *)
   Definition run_function (f : function) (vs : list c_value) : run_outcome := match bind_parameters (parameters f) vs with Some env => run_block run_statement (body f) env [] | None => None end.
 
-  (* A function as a kernel: it must store nothing in arrays. *)
+  (* A function as a kernel: it reads arrays, and must store nothing in them. *)
   Definition kernel_of_function (f : function) : kernel_meaning := fun vs =>
     match run_function f vs with
     | Some (env, [], o) => match pointer_results (parameters f) env with Some rs => Some (rs, match o with Some v => v | None => None end) | None => None end
@@ -220,26 +220,30 @@ End Run.
 
 Arguments RealValue {A}. Arguments IntValue {A}. Arguments UnsignedValue {A}. Arguments BoolValue {A}. Arguments Unset {A}.
 
-(* The meanings of all functions of a file; each may call those above it. *)
-Fixpoint kernels_in_order (A : arithmetic) (fs : list function) (known : list (string * kernel_meaning A)) : list (string * kernel_meaning A) :=
+(* The meanings of all functions of a file; each may call those above it, and read the file's tables. *)
+Fixpoint kernels_in_order (A : arithmetic) (entries : string -> Z -> option (float A)) (fs : list function) (known : list (string * kernel_meaning A)) : list (string * kernel_meaning A) :=
   match fs with
   | [] => known
-  | f :: r => kernels_in_order A r ((function_name f, kernel_of_function A known (fun _ _ => None) f) :: known)
+  | f :: r => kernels_in_order A entries r ((function_name f, kernel_of_function A known entries f) :: known)
   end.
 (* The library function for the logarithm. *)
 Definition math_library (A : arithmetic) (log_name : string) : list (string * kernel_meaning A) :=
   [(log_name, fun vs => match vs with [RealValue x] => Some ([], Some (RealValue (logarithm A x))) | _ => None end)].
 
-(* Runs function f of a file, with arguments and the caller's arrays: what it stores and what it returns. *)
+(* An entry of a file's table, as a number. There is none outside the table, or where the file has no table of that name. *)
+Definition table_entry (A : arithmetic) (s : source) (x : string) (i : Z) : option (float A) :=
+  match lookup_name x (tables s) with
+  | Some t => if (i <? 0)%Z then None else match nth_error t (Z.to_nat i) with Some v => Some (literal A v) | None => None end
+  | None => None
+  end.
+(* Runs function f of a file, with arguments and the caller's arrays: what it stores and what it returns. The functions that it calls
+   have no arrays but the file's tables, for no array is an argument of a call. *)
 Definition execute (A : arithmetic) (log_name : string) (s : source) (f : string) (vs : list (c_value A)) (arrays : string -> Z -> option (float A)) :
   option (array_stores A * option (c_value A)) :=
-  let tables x i := match lookup_name x (tables s) with
-                    | Some t => if (i <? 0)%Z then None else match nth_error t (Z.to_nat i) with Some v => Some (literal A v) | None => None end
-                    | None => arrays x i
-                    end in
-  let ks := kernels_in_order A (filter (fun g => negb (String.eqb (function_name g) f)) (functions s)) (math_library A log_name) in
+  let tables_and_arrays x i := match lookup_name x (tables s) with Some _ => table_entry A s x i | None => arrays x i end in
+  let ks := kernels_in_order A (table_entry A s) (filter (fun g => negb (String.eqb (function_name g) f)) (functions s)) (math_library A log_name) in
   match List.find (fun g => String.eqb (function_name g) f) (functions s) with
-  | Some g => match run_function A ks tables g vs with Some (_, out, o) => Some (out, match o with Some v => v | None => None end) | None => None end
+  | Some g => match run_function A ks tables_and_arrays g vs with Some (_, out, o) => Some (out, match o with Some v => v | None => None end) | None => None end
   | None => None
   end.
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
-from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
+from stt_codegen.designs import LOWER, NARROWEST_WIDTH, UPPER
 from stt_codegen.task import Task
 from stt_codegen.task.mission import InRegion, StateFormula, complement_boxes, regions_of
 from stt_codegen.task.sets import BoxSet, ConvexSet, Course, HalfSpace, Normal, Unsafe, UnsafeSet, Vector
@@ -77,8 +77,8 @@ class Avoidance:
 
 
 def minimum_width(task: Task) -> Fraction:
-    """Return the width that P1 demands; below MINIMUM_WIDTH the emitted law is another."""
-    return max(task.tube.min_width, MINIMUM_WIDTH)
+    """Return the width that P1 demands; the emitted law divides by the width as it is."""
+    return max(task.tube.min_width, NARROWEST_WIDTH)
 
 
 def width_constraints(task: Task) -> tuple[Constraint, ...]:

@@ -78,6 +78,9 @@ def build_task(task: Task, uncertified: bool = False, tube: Design | None = None
     task = with_chosen_gain(task, design)
     program = build_program(task, design)
     certificate = certify(task, design, program)
+    if not certificate.holds and not certificate.is_law_defined:
+        too_narrow = "; the law divides by the tube's width: a tube narrower than 2^-18 is not written, --uncertified or not"
+        raise NotCertified(certificate.refusal() + too_narrow)
     if not certificate.holds and not uncertified:
         raise NotCertified(certificate.refusal() + " (or --uncertified writes it with a banner)")
     if not certificate.holds:

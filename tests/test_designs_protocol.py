@@ -45,7 +45,7 @@ TABLES = {
 # Files outside the tables that write the name of a kind, and its meaning there.
 WRITTEN = {
     "certify/__init__.py": "a sub-room",
-    "certify/checker.py": "the name in a certificate; the checker imports nothing of the package",
+    "checker/stt_checker/main.py": "the name in a certificate; the checker imports nothing of the package",
     "design/paper_tubes/adaptive_search.py": "the kind that it designs",
     "design/paper_tubes/literal.py": "the kind that it designs",
     "design_kinds.py": "the list",

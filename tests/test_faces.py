@@ -184,7 +184,9 @@ def too_large(files: dict[str, str]) -> list[str]:
 
 
 def test_no_room_is_too_large() -> None:
-    assert too_large({str(p.relative_to(ROOT)): p.read_text() for p in PACKAGE.rglob("*.py")}) == []
+    """The stand-alone checker has a budget of lines of its own (tests/certify/test_listing.py)."""
+    files = {str(p.relative_to(ROOT)): p.read_text() for p in PACKAGE.rglob("*.py")}
+    assert too_large({path: text for path, text in files.items() if "/stt_checker/" not in path}) == []
 
 
 def test_a_room_that_is_too_large_is_reported() -> None:

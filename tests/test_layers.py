@@ -92,6 +92,7 @@ def test_a_breach_is_named_with_its_line(files: dict[str, str], message: str) ->
 # Names with which a module can be reached without an import statement that always runs.
 HIDDEN = {"TYPE_CHECKING", "__import__", "import_module", "spec_from_file_location", "run_module", "modules", "pkgutil"}
 MODULES_BY_NAME = {"stt_codegen": {"modules"}}  # the package replaces the class of its module
+STAND_ALONE = "stt_codegen.checker.stt_checker"  # it must run without this package, as a package of another name
 
 
 def hidden_imports(text: str) -> set[str]:
@@ -107,7 +108,7 @@ def hidden_imports(text: str) -> set[str]:
 
 def test_no_import_is_hidden_from_the_layers() -> None:
     """TYPE_CHECKING, relative imports and importlib would hide an import."""
-    hidden = {name: hidden_imports(path.read_text()) for name, path in MODULES.items()}
+    hidden = {name: hidden_imports(path.read_text()) for name, path in MODULES.items() if not name.startswith(STAND_ALONE)}
     assert {name: names for name, names in hidden.items() if names} == MODULES_BY_NAME
 
 

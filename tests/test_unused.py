@@ -37,7 +37,12 @@ USED_ELSEWHERE = {
 
 def module_of(folder: Path, path: Path) -> Module:
     parts = path.relative_to(folder).with_suffix("").parts
-    return Module(".".join(parts[:-1] if parts[-1] == "__init__" else parts), path.read_text(), reads_of(folder, path))
+    return Module(
+        ".".join(parts[:-1] if parts[-1] == "__init__" else parts),
+        path.read_text(),
+        reads_of(folder, path),
+        is_package=parts[-1] == "__init__",
+    )
 
 
 def names_in_templates(folder: Path) -> Iterator[str]:

@@ -1,10 +1,7 @@
-"""Certificates: properties P1 to P10 of a design and its Program, exact for refined tubes, by enclosures for adaptive ones.
-
-Large because the stand-alone checker, half of it, shares no code with the rest.
-"""
+"""Certificates: properties P1 to P10 of a design and its Program, exact for refined tubes, by enclosures for adaptive ones."""
 
 from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PeriodProof
-from stt_codegen.certify.claims import SlackClaim, claims_of, cuts_of
+from stt_codegen.certify.claims import SlackClaim, Stretch, claims_of, cuts_of
 from stt_codegen.certify.monitor import Cycle, Span, Time, holds
 from stt_codegen.certify.moving_slack import MovingBounds
 
@@ -17,9 +14,9 @@ __all__ = [
     "PeriodProof",
     "SlackClaim",
     "Span",
+    "Stretch",
     "Time",
     "adaptive",
-    "checker",
     "claims_of",
     "cuts_of",
     "exact",

@@ -119,7 +119,8 @@ class Certificate:
     initial set but for a thousandth of its width at each edge. method: "exact" and "enclosure" are proofs; "sampled" finds faults
     and proves nothing. steps: the shortest and the longest step of alpha (seconds) for which an adaptive or literal tube is
     proved. proved_period: what P9 proves, where the task has a period and P9 holds; mission: what P10 proves, likewise. axes: the
-    names of the dimensions in sentences.
+    names of the dimensions in sentences. is_law_defined: whether the tube is so wide that the emitted law, which divides by its
+    width, has a value everywhere; else it is not written, whatever a user asks for.
     """
 
     findings: tuple[Finding, ...]
@@ -134,6 +135,7 @@ class Certificate:
     mission: MissionProof | None = None
     rate_error: tuple[Fraction, ...] = ()
     axes: tuple[str, ...] = ()
+    is_law_defined: bool = True
 
     @property
     def proves(self) -> bool:

@@ -1,14 +1,15 @@
-"""The claims of certificate format 2 about a refined tube: for every property the smallest slack, and hints where to find it.
+"""The claims of certificate format 3 about a refined tube: for every property the smallest slack, and hints where to find it.
 
-A slack is in whole units of the table. The hints say which normal of an unsafe set proves it on which stretch of time, and where
-a segment must be cut. They help a checker to repeat the proof and need not be trusted; docs/certificate-format.md describes them.
+A slack is in whole units of the table. The hints say which normal of an unsafe set proves it on which stretch of time, with which
+multipliers of its half-spaces, and where a segment must be cut. They help a checker to repeat the proof and need not be trusted;
+docs/certificate-format.md describes them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import KW_ONLY, dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -20,6 +21,7 @@ from stt_codegen.certify.filtered_findings import distance_errors, filtered_widt
 from stt_codegen.certify.limits import smallest_limit_slack
 from stt_codegen.certify.missions import SLICES, avoiding_pieces
 from stt_codegen.certify.moving_slack import moving_slack_by_piece
+from stt_codegen.certify.multipliers import Multipliers, multipliers_in
 from stt_codegen.certify.slack import ConstraintBlock, PieceSlack, slack_by_piece
 from stt_codegen.constraints import (
     Constraint,
@@ -36,17 +38,20 @@ from stt_codegen.constraints import (
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
-from stt_codegen.task.mission import InRegion
-from stt_codegen.task.sets import UnsafeSet
+from stt_codegen.task.mission import InRegion, StateFormula
+from stt_codegen.task.sets import Normal, Unsafe, UnsafeSet
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """An interval of spline time, in segments, with the normal that proves it; None where every constraint must hold."""
+    """An interval of spline time, in segments, with the normal that proves it; None where every constraint must hold.
+
+    multipliers: of the set's half-spaces (multipliers.py); None for other sets."""
 
     begin: Fraction
     end: Fraction
-    normal: tuple[int, ...] | None
+    normal: Normal | None
+    multipliers: Multipliers | None = None
 
 
 @dataclass(frozen=True)
@@ -117,7 +122,7 @@ class _ClaimedTube:
     def claim_avoidance(self) -> list[SlackClaim]:
         """Return the claims of P4; hints say which normal proves it when."""
         claims = []
-        for avoidance in avoidances(self.task):
+        for j, avoidance in enumerate(avoidances(self.task)):
             constraints = avoidance.alternatives
             required = self.error * _largest_distance_error(constraints)
             if avoidance.course is None:
@@ -125,7 +130,8 @@ class _ClaimedTube:
             else:
                 pieces = list(moving_slack_by_piece(avoidance, self.design, required))
             margin = min(_floor(p.slack.max()) for p in pieces)
-            hints = tuple(_stretches(pieces, constraints, margin, self.task.dimension))
+            stretches = _stretches(pieces, constraints, margin, self.task.dimension)
+            hints = _with_multipliers(stretches, multipliers_in(self.task, self.task.stated_set(j)))
             claims.append(SlackClaim(Property.AVOID, self.always, margin, avoidance.name, hints))
         return claims
 
@@ -170,18 +176,35 @@ def _mission_claims(task: Task, design: RefinedDesign, proof: MissionProof) -> l
     """Return the claims of P10, one for every interval of every state; with hints where a region that is no box is avoided."""
     claims = []
     for state, spans in proof.spans.items():
-        inner = state.inner
-        has_hints = isinstance(inner, InRegion) and inner.is_negated and not isinstance(task.regions[inner.region], UnsafeSet)
-        (constraints,) = [a.alternatives for a in mission_avoidances(task, state)] if has_hints else [()]
         for span in spans:
-            block = ConstraintBlock.of(constraints, design.unit) if has_hints else None
-            pieces = [] if block is None else avoiding_pieces(design, block, span, proof.margin)
-            hints = tuple(Stretch(p.begin, p.end, _normal(constraints[p.constraint], task.dimension)) for p in pieces)
+            hints = _mission_hints(task, design, proof, state, span)
             claims.append(SlackClaim(Property.MISSION, tuple(Fraction(v, SLICES) for v in span), proof.margin, str(state), hints))
     return claims
 
 
-def _normal(constraint: Constraint, n: int) -> tuple[int, ...]:
+def _mission_hints(
+    task: Task, design: RefinedDesign, proof: MissionProof, state: StateFormula, span: tuple[int, int]
+) -> tuple[Stretch, ...]:
+    """Return the hints of a claim of P10: none, but where a region that is no box is avoided."""
+    inner = state.inner
+    region = task.regions[inner.region] if isinstance(inner, InRegion) and inner.is_negated else None
+    if not isinstance(region, Unsafe) or isinstance(region, UnsafeSet):
+        return ()
+    (constraints,) = [a.alternatives for a in mission_avoidances(task, state)]
+    pieces = avoiding_pieces(design, ConstraintBlock.of(constraints, design.unit), span, proof.margin)
+    stretches = [Stretch(p.begin, p.end, _normal(constraints[p.constraint], task.dimension)) for p in pieces]
+    return _with_multipliers(stretches, multipliers_in(task, region))
+
+
+def _with_multipliers(
+    stretches: Sequence[Stretch], multipliers_of: Callable[[Normal], Multipliers | None]
+) -> tuple[Stretch, ...]:
+    """Return the stretches with the multipliers of their normals."""
+    by_normal = {h.normal: multipliers_of(h.normal) for h in stretches if h.normal is not None}
+    return tuple(h if h.normal is None else replace(h, multipliers=by_normal[h.normal]) for h in stretches)
+
+
+def _normal(constraint: Constraint, n: int) -> Normal:
     """Return the coefficients of a constraint by dimension."""
     normal = [0] * n
     for i, _, c in constraint.terms:

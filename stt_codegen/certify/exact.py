@@ -36,7 +36,7 @@ from stt_codegen.constraints import (
 )
 from stt_codegen.controller import edge_error, rate_error
 from stt_codegen.decimals import above, by_component, decimal
-from stt_codegen.designs import RefinedDesign
+from stt_codegen.designs import NARROWEST_WIDTH, RefinedDesign
 from stt_codegen.program import Program
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
@@ -54,7 +54,8 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
     arithmetic = _arithmetic_finding(program, max(error), of_edges)
     rate = rate_error(design, program) if task.order == 2 else ()
     limit_findings = certify_inertia(task, design, error, rate) if task.order == 2 else certify_limits(task, design)
-    certificate = replace(certificate, rate_error=rate, mission=mission)
+    is_law_defined = program.scalar == "fixed" or _is_law_defined(design, error, limit_findings)
+    certificate = replace(certificate, rate_error=rate, mission=mission, is_law_defined=is_law_defined)
     before_period = (*certificate.findings, arithmetic, *limit_findings)
     if task.control.period is None or (task.order == 2 and not all(f.holds for f in limit_findings)):
         return replace(certificate, findings=(*before_period, *mission_findings))
@@ -62,6 +63,13 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
 
     period_finding, proved = certify_period(task, design, error, rate)
     return replace(certificate, findings=(*before_period, period_finding, *mission_findings), proved_period=proved)
+
+
+def _is_law_defined(design: RefinedDesign, error: Sequence[Fraction], findings_of_law: Sequence[Finding]) -> bool:
+    """Return whether the emitted edges, of order 2 those of v + lambda x, are so far apart that the law can divide by it."""
+    narrowest = NARROWEST_WIDTH + 2 * units_of_error(design, error) * design.unit
+    is_wide = all(f.holds for f in findings_of_law if f.subject is Property.WIDTH)
+    return is_wide and design.smallest_hull_width() >= narrowest
 
 
 def _arithmetic_finding(program: Program, error: Fraction, of_edges: Sequence[Finding]) -> Finding:

@@ -18,7 +18,7 @@ from stt_codegen.constraints import control_authority
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import (
     LOWER,
-    MINIMUM_WIDTH,
+    NARROWEST_WIDTH,
     UPPER,
     RefinedDesign,
     demanded_accelerations,
@@ -51,11 +51,11 @@ def distance_errors(design: RefinedDesign, edge: Sequence[Fraction], rate: Seque
 
 
 def filtered_width_slack(design: RefinedDesign) -> FilteredSlack:
-    """Return by how much the filtered tube is wider than MINIMUM_WIDTH."""
+    """Return by how much the filtered tube is wider than NARROWEST_WIDTH."""
     pieces = filtered_edges(design)
     width = (pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min(axis=-1)
     k, i = np.unravel_index(int(width.argmin()), width.shape)
-    return FilteredSlack(int(width[k, i]) - math.ceil(MINIMUM_WIDTH / pieces.unit), pieces.unit, int(k), int(i))
+    return FilteredSlack(int(width[k, i]) - math.ceil(NARROWEST_WIDTH / pieces.unit), pieces.unit, int(k), int(i))
 
 
 def start_slack(task: Task, design: RefinedDesign, errors: Sequence[Fraction]) -> FilteredSlack:

@@ -142,7 +142,7 @@ def _error_bounds(controller: EmittedController, design: AdaptiveDesign, points:
     update = run("alpha_rate", with_alpha)
     step = run("alpha_step", {**with_alpha, "dt": points.dt})
     return {
-        "sigma": probe["sigma"].error[:, :1],
+        "sigma": probe["profile"].error[:, :1],
         **{name: probe[name].error for name in ("rho", "beta", "psi", "theta")},
         "alpha rate": update["rate"].error,
         "jacobian": update["jacobian"].error,

@@ -90,7 +90,7 @@ def _begin_block_with_alpha(n: int, nan_outputs: tuple[str, ...], length: int) -
     """Begin the block of a function of t and alpha: it leaves with NaN in the outputs, arrays of this length, for bad input."""
     block = Block({"t", "alpha", *nan_outputs})
     is_bad = write_has_non_finite(block, (T,), (("alpha", 2 * n),))
-    with block.leave_when(is_bad), block.loop("j", length) as loop:
+    with block.leave_when(is_bad), block.loop("m", length) as loop:
         for name in nan_outputs:
             block.store(name, loop.index, NAN)
     return block
@@ -143,10 +143,10 @@ def _build_alpha_step(parts: AdaptiveParts) -> Function:
 def _write_implicit_step(block: Block, parts: AdaptiveParts, side: int, inputs: tuple[Var, Var, Var]) -> Var:
     """Write statements for the alpha of one side after an implicit step of (11), from (psi, alpha, step in seconds)."""
     label, kernels = SIDE_LABELS[side][1], parts.kernels
-    names = [f"{label}_{v}" for v in ("p", "q", "rest", "z0")]
-    p, q, theta_rest, z0 = block.call(kernels.implicit_start, *inputs, *parts.update_constants, names=names)
+    names = [f"{label}_{v}" for v in ("p", "q", "theta_rest", "z_start")]
+    p, q, theta_rest, z_start = block.call(kernels.implicit_start, *inputs, *parts.update_constants, names=names)
     with block.loop(f"{label}_k", adaptive_tube.NEWTON) as iteration:
-        z = iteration.carry(f"{label}_z", z0)
+        z = iteration.carry(f"{label}_z", z_start)
         (next_z,) = block.call(kernels.newton, p, q, z, names=(f"{label}_z_next",))
         iteration.update(z, next_z)
     (next_alpha,) = block.call(kernels.implicit_end, q, theta_rest, z, names=(f"alpha_{label}_out",))
@@ -228,7 +228,7 @@ def _build_control(task: Task, parts: AdaptiveParts) -> Function:
     n, law = parts.n, parts.law
     block = Block({"t", "alpha", "x", "u"})
     is_bad = write_has_non_finite(block, (T,), (("alpha", 2 * n), ("x", n)))
-    with block.leave_when(is_bad, BAD), block.loop("j", n) as loop:
+    with block.leave_when(is_bad, BAD), block.loop("m", n) as loop:
         block.store("u", loop.index, real(0))
     profile = write_time_profile(block, parts, T)
     with block.loop("i", n) as loop:
@@ -238,7 +238,7 @@ def _build_control(task: Task, parts: AdaptiveParts) -> Function:
         value = ValueBetweenEdges(low, high, block.let("x_i", Load("x", i)))
         u_max = law.write_u_max(block, i)
         distances = write_clamped_distances(block, law.write_clamp_share(block, i), value, law.write_signed_gain(block, i))
-        loop.update(is_outside, block.select("outside_any", write_is_inside(block, distances), is_outside, TRUE))
+        loop.update(is_outside, block.select("outside_next", write_is_inside(block, distances), is_outside, TRUE))
         block.store("u", i, write_input(block, law, distances, u_max))
     block.leave(Select(is_outside, OUTSIDE, OK))
     doc = (
@@ -282,7 +282,7 @@ def _build_margins(parts: AdaptiveParts) -> Function:
     n = parts.n
     block = Block({"t", "alpha", "x", "margin"})
     is_bad = write_has_non_finite(block, (T,), (("alpha", 2 * n),))
-    with block.leave_when(is_bad), block.loop("j", n) as loop:
+    with block.leave_when(is_bad), block.loop("m", n) as loop:
         block.store("margin", loop.index, NAN)
     profile = write_time_profile(block, parts, T)
     with block.loop("i", n) as loop:

@@ -157,8 +157,8 @@ def build_covered(task: Task, n: int, write_lambda: Callable[[Block, Operand], O
         x = block.let("x_i", Load("x", i))
         is_inside = write_is_between_bounds(block, x, i, BOUND_TABLES[:2])
         if write_lambda is not None:
-            filtered_x = block.op("filtered", "mul", x, write_lambda(block, i))
-            z = block.op("z", "add", block.let("v_i", Load("v", i)), filtered_x)
+            filtered_x = block.op("x_part", "mul", x, write_lambda(block, i))
+            z = block.op("z_i", "add", block.let("v_i", Load("v", i)), filtered_x)
             is_z_inside = write_is_between_bounds(block, z, i, BOUND_TABLES[2:])
             is_inside = block.op("inside", "and", is_inside, is_z_inside)
         loop.update(is_covered, block.select("covered_next", is_inside, is_covered, FALSE))
@@ -171,10 +171,13 @@ def build_covered(task: Task, n: int, write_lambda: Callable[[Block, Operand], O
 def write_is_between_bounds(block: Block, value: Var, i: Operand, tables: Sequence[str]) -> Var:
     """Write statements for whether a value, a real or an integer, is strictly between component i of two tables."""
     less = "ilt" if value.type is INT else "lt"
-    low, high = (block.let(f"{name}_i", Load(name, i, value.type)) for name in tables)
-    is_above = block.op(f"{value.name}_after", less, low, value)
-    is_below = block.op(f"{value.name}_before", less, value, high)
-    return block.op(f"{value.name}_between", "and", is_above, is_below)
+    label = value.name.removesuffix("_i")
+    low, high = (
+        block.let(f"{label}_{side}", Load(name, i, value.type)) for side, name in zip(("lower", "upper"), tables, strict=True)
+    )
+    is_above = block.op(f"{label}_above", less, low, value)
+    is_below = block.op(f"{label}_below", less, value, high)
+    return block.op(f"{label}_inside", "and", is_above, is_below)
 
 
 def covered_doc(task: Task) -> tuple[str, ...]:

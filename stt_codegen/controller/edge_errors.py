@@ -3,8 +3,10 @@
 There are two causes; eps is half a unit in the last place of 1. *Time.* The emitted u is fl(t * fl(K/t_c)), within K (2 eps +
 eps^2) of K t / t_c, clamped to the largest number below K, which is at most 2 K eps below K. So u is within K (2 eps + eps^2) of
 the exact one for every t. Twice that is allowed: the other half is for a t that was itself rounded, as `ticks / 1000` is. The
-edge then moves by its steepest slope times that error. *Evaluation.* `rounding_error` bounds the rounding of weights and blend
-from the kernels that are printed. s = u - floor(u) is exact, and so is the table of control points.
+edge then moves by its steepest slope times that error. *Evaluation.* Weights and blend round by at most 123 eps + 441 eps^2 of
+the largest control point of the dimension, those of a rate by 175 eps + 568 eps^2. The statements are the same in every
+controller, so these constants are too; the checker uses them (checker/stt_checker/rounding.py says where they come from), and
+tests derive them from the kernels that are printed. s = u - floor(u) is exact, and so is the table of control points.
 
 The certificate, the design and compare/ call this file. The lemma `refined.late` is about `rounded_time_error`.
 """
@@ -12,17 +14,17 @@ The certificate, the design and compare/ call this file. The lemma `refined.late
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from stt_codegen.controller.integers import integer_errors
-from stt_codegen.controller.kernels import build_blending_kernels
 from stt_codegen.designs import RefinedDesign
-from stt_codegen.program import FORMATS, Kernel, Program
-from stt_codegen.program.analyse import Inexact, rounding_error
+from stt_codegen.program import FORMATS, Program
 from stt_codegen.task import Task
+
+EDGE_FACTORS, RATE_FACTORS = (123, 441), (175, 568)  # of eps and of eps^2, times the largest control point
+TINY_FACTOR = 200  # of half the least subnormal number, times one more than the largest control point
 
 
 def spline_time_error(design: RefinedDesign, scalar: str) -> Fraction:
@@ -52,22 +54,20 @@ def edge_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     """Bound |emitted edge - gamma(t)| for every finite t, by dimension, in the task's units."""
     if program.tick is not None:
         return integer_errors.edge_error(design, program.tick)
-    return _edge_error(design, program.kernel("basis"), program.kernel("blend"), program.scalar)
+    return _edge_error(design, program.scalar)
 
 
 def edge_error_of_design(task: Task, design: RefinedDesign) -> tuple[Fraction, ...]:
     """Derive `edge_error` before there is a program, for floats and doubles: the kernels of a tube are the same for all tasks."""
-    basis, _, blend = build_blending_kernels()
-    return _edge_error(design, basis, blend, task.emit.scalar)
+    return _edge_error(design, task.emit.scalar)
 
 
-@lru_cache(maxsize=4)  # the design, the program and the certificate need the same bound
-def _edge_error(design: RefinedDesign, basis: Kernel, blend: Kernel, scalar: str) -> tuple[Fraction, ...]:
+def _edge_error(design: RefinedDesign, scalar: str) -> tuple[Fraction, ...]:
     """Bound the error of an edge by dimension: that of its evaluation, and its steepest slope times the error of time."""
     largest_steps = design.largest_steps().max(axis=0)  # between Bezier control points; 3 of them bound a slope by segment
     time_error = spline_time_error(design, scalar)
-    evaluation_errors = _blend_error(design, basis, blend, scalar)
     slopes = [3 * int(step) * design.unit for step in largest_steps]
+    evaluation_errors = _evaluation_errors(design, scalar, EDGE_FACTORS)
     return tuple(_rounded_up(e + time_error * slope) for e, slope in zip(evaluation_errors, slopes, strict=True))
 
 
@@ -81,8 +81,7 @@ def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     segments_per_second = design.segments / design.prescribed_time
     time_error = spline_time_error(design, program.scalar)
     errors = []
-    evaluation_errors = _blend_error(design, program.kernel("basis_rate"), program.kernel("blend"), program.scalar)
-    for i, evaluation_error in enumerate(evaluation_errors):
+    for i, evaluation_error in enumerate(_evaluation_errors(design, program.scalar, RATE_FACTORS)):
         slope_error = evaluation_error + time_error * 6 * int(largest_bends[i]) * design.unit
         steepest_slope = 3 * int(largest_steps[i]) * design.unit
         scaling_error = (steepest_slope + slope_error) * segments_per_second * 2 * number_format.roundoff
@@ -91,17 +90,13 @@ def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     return tuple(errors)
 
 
-def _blend_error(design: RefinedDesign, weights_kernel: Kernel, blend: Kernel, scalar: str) -> list[Fraction]:
-    """Bound the rounding of weights, a kernel of s in [0, 1], and of the blend of the largest control points, by dimension."""
-    weights = rounding_error(weights_kernel, {"s": Inexact(Fraction(0), Fraction(1))}, scalar)
-    names = [v.name for v in blend.inputs]
-    errors = []
-    for i in range(design.dimension):
-        largest = int(np.abs(design.integers()[:, i]).max()) * design.unit
-        inputs = dict(zip(names[:4], weights, strict=True)) | dict.fromkeys(names[4:], Inexact(-largest, largest))
-        (edge,) = rounding_error(blend, inputs, scalar)
-        errors.append(edge.error)
-    return errors
+def _evaluation_errors(design: RefinedDesign, scalar: str, factors: tuple[int, int]) -> list[Fraction]:
+    """Bound, by dimension, the rounding of weights and of their sum with control points. factors: EDGE_FACTORS or
+    RATE_FACTORS."""
+    eps, tiny = FORMATS[scalar].roundoff, FORMATS[scalar].tiny
+    largest_points = [int(np.abs(design.integers()[:, i]).max()) * design.unit for i in range(design.dimension)]
+    factor = factors[0] * eps + factors[1] * eps**2
+    return [largest * factor + TINY_FACTOR * (largest + 1) * tiny for largest in largest_points]
 
 
 def _rounded_up(value: Fraction) -> Fraction:

@@ -59,20 +59,17 @@ def build_inertial_functions(
     law: ControlLaw,
     *,
     tick_segments: tuple[Kernel, ...],
-    is_width_guarded: bool,
 ) -> tuple[Function, ...]:
     """Build `filtered_tube`, `velocity` where the task uses differences, `control`, `margin` and `margins`.
 
-    tick_segments: the segment kernel of ticks, for `control_tick`; empty without ticks. is_width_guarded=False: the caller has
-    proved that the edges are more than MINIMUM_WIDTH apart."""
+    tick_segments: the segment kernel of ticks, for `control_tick`; empty without ticks."""
     parts = InertialParts(spline, LambdaFilter.of(design), design.dimension)
     velocity = (_build_velocity(task, parts.n),) if task.uses_differences else ()
     controls = (
-        _build_control(task, replace(parts, spline=replace(spline, segment=segment)), law, is_width_guarded)
+        _build_control(task, replace(parts, spline=replace(spline, segment=segment)), law)
         for segment in (spline.segment, *tick_segments)
     )
-    margins = (_build_margin(parts, is_width_guarded), _build_margins(parts, is_width_guarded))
-    return (_build_filtered_tube(parts), *velocity, *controls, *margins)
+    return (_build_filtered_tube(parts), *velocity, *controls, _build_margin(parts), _build_margins(parts))
 
 
 def _build_velocity(task: Task, n: int) -> Function:
@@ -105,7 +102,7 @@ def _build_filtered_tube(parts: InertialParts) -> Function:
         edges = parts.write_edges(block, position, loop.index)
         lambda_ = parts.filter.write_component(block, loop.index)
         for name, edge, rate in (("lower", edges.lower, edges.lower_rate), ("upper", edges.upper, edges.upper_rate)):
-            filtered_edge = block.op("edge", "add", rate, block.op("filtered", "mul", edge, lambda_))
+            filtered_edge = block.op(f"z_{name}", "add", rate, block.op(f"{name}_part", "mul", edge, lambda_))
             block.store(name, loop.index, filtered_edge)
     block.leave()
     doc = (
@@ -116,28 +113,27 @@ def _build_filtered_tube(parts: InertialParts) -> Function:
     return Function("filtered_tube", params, tuple(block.statements), returns_status=False, doc=doc)
 
 
-def _build_control(task: Task, parts: InertialParts, law: ControlLaw, is_width_guarded: bool) -> Function:
+def _build_control(task: Task, parts: InertialParts, law: ControlLaw) -> Function:
     """Build `control`, or `control_tick` where the segment kernel of `parts` takes a tick: u (n,) by (13) and the status."""
     n = parts.n
     (time,) = parts.spline.segment.inputs
     is_tick = time.type is TICK
     block = Block({time.name, "x", "v", "u"})
     is_bad = write_has_non_finite(block, () if is_tick else (time,), (("x", n), ("v", n)))
-    with block.leave_when(is_bad, BAD), block.loop("j", n) as loop:
+    with block.leave_when(is_bad, BAD), block.loop("m", n) as loop:
         block.store("u", loop.index, real(0))
     position = parts.write_position(block, time)
     with block.loop("i", n) as loop:
         i = loop.index
         is_outside = loop.carry("outside", FALSE)
         filtered = parts.write_filtered_distances(block, position, i)
-        distances = write_clamped_distances(
-            block, law.write_clamp_share(block, i), filtered, law.write_signed_gain(block, i), is_width_guarded
-        )
-        x_to_lower, x_to_upper = filtered.of_x.to_edges
-        is_above_lower = block.op("over", "lt", real(0), x_to_lower)
-        is_x_inside = block.op("between", "and", is_above_lower, block.op("under", "lt", real(0), x_to_upper))
-        is_inside = block.op("inside", "and", write_is_inside(block, distances), is_x_inside)
-        loop.update(is_outside, block.select("outside_any", is_inside, is_outside, TRUE))
+        clamp_share, signed_gain = law.write_clamp_share(block, i), law.write_signed_gain(block, i)
+        distances = write_clamped_distances(block, clamp_share, filtered, signed_gain, is_width_guarded=False)
+        to_lower, to_upper = filtered.of_x.to_edges
+        is_above_lower = block.op("x_above", "lt", real(0), to_lower)
+        is_x_inside = block.op("x_inside", "and", is_above_lower, block.op("x_below", "lt", real(0), to_upper))
+        is_inside = block.op("inside", "and", write_is_inside(block, distances, "z_inside"), is_x_inside)
+        loop.update(is_outside, block.select("outside_next", is_inside, is_outside, TRUE))
         block.store("u", i, write_input(block, law, distances, law.write_u_max(block, i)))
     block.leave(Select(is_outside, OUTSIDE, OK))
     tested_inputs = "x or v" if is_tick else "t, x or v"
@@ -161,7 +157,7 @@ def _tick_doc(task: Task) -> str:
     return f"tick: periods of {decimal(task.emit.tick_period)} s since the start (it must not wrap to 0: stop counting at t_c);"
 
 
-def _build_margin(parts: InertialParts, is_width_guarded: bool) -> Function:
+def _build_margin(parts: InertialParts) -> Function:
     """Build `margin`: the smallest margin over the components of x and of v + lambda x."""
     n = parts.n
     t = Var("t", REAL)
@@ -173,7 +169,7 @@ def _build_margin(parts: InertialParts, is_width_guarded: bool) -> Function:
     with block.loop("i", n) as loop:
         smallest = loop.carry("margin", real(Fraction(1, 2)))
         distances = parts.write_filtered_distances(block, position, loop.index)
-        margin = _write_smaller_margin(block, distances, is_width_guarded)
+        margin = _write_smaller_margin(block, distances)
         is_smaller = block.op("less", "lt", margin, smallest)
         loop.update(smallest, block.select("margin_next", is_smaller, margin, smallest))
     block.leave(smallest)
@@ -187,15 +183,15 @@ def _build_margin(parts: InertialParts, is_width_guarded: bool) -> Function:
     return Function("margin", params, tuple(block.statements), returns_status=False, doc=doc, returns_real=True)
 
 
-def _write_smaller_margin(block: Block, distances: FilteredDistances, is_width_guarded: bool) -> Var:
+def _write_smaller_margin(block: Block, distances: FilteredDistances) -> Var:
     """Write statements for the smaller one of two margins: that of v + lambda x in the filtered tube, that of x in the tube."""
-    filtered_margin = write_margin(block, distances, is_width_guarded)
-    x_margin = write_margin(block, distances.of_x, is_width_guarded)
-    is_filtered_smaller = block.op("filtered_less", "lt", filtered_margin, x_margin)
-    return block.select("lesser", is_filtered_smaller, filtered_margin, x_margin)
+    filtered_margin = write_margin(block, distances, label="z", is_width_guarded=False)
+    x_margin = write_margin(block, distances.of_x, is_width_guarded=False)
+    is_x_smaller = block.op("x_smaller", "lt", x_margin, filtered_margin)  # false for a NaN of v, so that the result is NaN
+    return block.select("smaller", is_x_smaller, x_margin, filtered_margin)
 
 
-def _build_margins(parts: InertialParts, is_width_guarded: bool) -> Function:
+def _build_margins(parts: InertialParts) -> Function:
     """Build `margins`: by component (n,) the smaller margin of v + lambda x and of x."""
     n = parts.n
     t = Var("t", REAL)
@@ -206,7 +202,7 @@ def _build_margins(parts: InertialParts, is_width_guarded: bool) -> Function:
     position = parts.write_position(block, t)
     with block.loop("i", n) as loop:
         distances = parts.write_filtered_distances(block, position, loop.index)
-        block.store("margin", loop.index, _write_smaller_margin(block, distances, is_width_guarded))
+        block.store("margin", loop.index, _write_smaller_margin(block, distances))
     block.leave()
     params = (Param("t", None), Param("x", n), Param("v", n), Param("margin", n, output=True))
     return Function("margins", params, tuple(block.statements), returns_status=False, doc=MARGINS_DOC)

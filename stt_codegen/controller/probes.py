@@ -44,12 +44,12 @@ def _build_program(task: Task, parts: AdaptiveParts, kernel_names: set[str], fun
 
 
 def _build_probe(parts: AdaptiveParts) -> Function:
-    """Build `probe`: sigma in sigma[0], and rho, beta, psi, theta (2 n,), lower side by dimension, then upper side."""
+    """Build `probe`: sigma in profile[0], and rho, beta, psi, theta (2 n,), lower side by dimension, then upper side."""
     n = parts.n
-    names = ("sigma", "rho", "beta", "psi", "theta")
+    names = ("profile", "rho", "beta", "psi", "theta")
     block = Block({"t", *names})
     profile = write_time_profile(block, parts, Var("t", REAL))
-    block.store("sigma", integer(0), profile.sigma)
+    block.store("profile", integer(0), profile.sigma)
     theta0, _, mu, varsigma = parts.update_constants
     with block.loop("i", n) as loop:
         rho_beta = write_rho_and_beta(block, parts, loop.index, profile)
@@ -60,8 +60,8 @@ def _build_probe(parts: AdaptiveParts) -> Function:
             for name, value in outputs:
                 block.store(name, index, value)
     block.leave()
-    params = (Param("t", None), Param("sigma", n, output=True), *(Param(p, 2 * n, output=True) for p in names[1:]))
-    doc = ("sigma[0], and rho, beta, psi, theta laid out as alpha.",)
+    params = (Param("t", None), Param("profile", n, output=True), *(Param(p, 2 * n, output=True) for p in names[1:]))
+    doc = ("sigma in profile[0], and rho, beta, psi, theta laid out as alpha.",)
     return Function("probe", params, tuple(block.statements), returns_status=False, doc=doc)
 
 

@@ -12,7 +12,6 @@ from fractions import Fraction
 
 from stt_codegen.controller.comments import axes_doc, inward_doc, law_doc
 from stt_codegen.controller.covered_starts import build_covered, compute_covered_starts
-from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.controller.inertial_frame import build_inertial_functions
 from stt_codegen.controller.kernels import (
     MARGIN_DOC,
@@ -28,7 +27,8 @@ from stt_codegen.controller.kernels import (
     build_transform,
     write_clamped_distances,
     write_edge,
-    write_first_index,
+    write_edge_indices,
+    write_edges,
     write_has_non_finite,
     write_input,
     write_input_scaling,
@@ -37,7 +37,7 @@ from stt_codegen.controller.kernels import (
 )
 from stt_codegen.controller.ticks import build_tick_segment_kernel, tick_constants
 from stt_codegen.decimals import decimal
-from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER, RefinedDesign, filtered_edges
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.program import (
     FALSE,
@@ -68,10 +68,9 @@ OK, OUTSIDE, BAD = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE, S
 def refined_program(task: Task, design: RefinedDesign) -> Program:
     """Build all that is emitted for a refined design. Raises `BadInput` when the law's constants do not fit the scalar.
 
-    Where the emitted edges are proved to be more than MINIMUM_WIDTH apart at all times, the functions that calculate with the
-    width go without the guard against a smaller one."""
+    The functions that calculate with the width take it as it is: P1 keeps the edges NARROWEST_WIDTH apart, rounding included."""
     n = design.dimension
-    spline = SplineKernels(build_segment_kernel(design, task.emit.scalar), *build_blending_kernels())
+    spline = SplineKernels(build_segment_kernel(design, task.emit.scalar), *build_blending_kernels(n))
     law = build_control_law(task)
     lambda_filter = LambdaFilter.of(design) if design.filter else None
     filter_tables = lambda_filter.tables if lambda_filter is not None else []
@@ -85,54 +84,26 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
     if tick_period is not None:
         tick_segments = (build_tick_segment_kernel(design, tick_constants(design, tick_period)),)
 
-    def build_law_functions(is_width_guarded: bool) -> tuple[Function, ...]:
-        """Build the functions that calculate with the width of the tube."""
-        if design.filter:
-            return build_inertial_functions(
-                task, design, spline, law, tick_segments=tick_segments, is_width_guarded=is_width_guarded
-            )
-        controls = (
-            _build_control(task, replace(spline, segment=segment), law, n, is_width_guarded)
-            for segment in (spline.segment, *tick_segments)
-        )
-        return (*controls, _build_margin(spline, n, is_width_guarded), _build_margins(spline, n, is_width_guarded))
-
-    program = Program(
+    if design.filter:
+        law_functions = build_inertial_functions(task, design, spline, law, tick_segments=tick_segments)
+    else:
+        segments = (spline.segment, *tick_segments)
+        controls = (_build_control(task, replace(spline, segment=segment), law, n) for segment in segments)
+        law_functions = (*controls, _build_margin(spline, n), _build_margins(spline, n))
+    return Program(
         prefix=task.name,
         dimension=n,
         scalar=task.emit.scalar,
         tables=tuple(tables),
-        kernels=(spline.segment, *tick_segments, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
+        kernels=(spline.segment, *tick_segments, spline.basis, spline.basis_rate, spline.edge_at, *law.kernels),
         functions=(
             _build_tube(spline, n),
             _build_tube_rate(spline, design, n),
-            *build_law_functions(True),
+            *law_functions,
             *covered,
             build_transform(law, n),
         ),
     )
-    if not _is_always_wide(design, program):
-        return program
-    unguarded = {f.name: f for f in build_law_functions(False)}
-    return replace(program, functions=tuple(unguarded.get(f.name, f) for f in program.functions))
-
-
-def _is_always_wide(design: RefinedDesign, program: Program) -> bool:
-    """Return whether the emitted edges are more than MINIMUM_WIDTH apart for every t; for order 2 the filtered ones, too.
-
-    The width is a mean, with weights of sum 6, of the control points' widths; the arithmetic moves each edge by at most P7's
-    bound."""
-    table = design.integers()
-    smallest_width = 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).min()) * design.unit
-    edge_errors = edge_error(design, program)
-    if smallest_width - 2 * max(edge_errors) <= 2 * MINIMUM_WIDTH:
-        return False
-    if not design.filter:
-        return True
-    pieces = filtered_edges(design)
-    smallest_width = int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min()) * pieces.unit
-    errors = zip(edge_errors, rate_error(design, program), design.filter, strict=True)
-    return smallest_width - 2 * max(rate + lambda_ * edge for edge, rate, lambda_ in errors) > 2 * MINIMUM_WIDTH
 
 
 def _build_coefficient_table(design: RefinedDesign, scalar: str) -> Table:
@@ -159,10 +130,9 @@ def _build_tube(spline: SplineKernels, n: int) -> Function:
     block, row, s = begin_block_at_time({"t", "lower", "upper"}, spline, ("lower", "upper"), n)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
-        first_index = write_first_index(block, row, loop.index)
-        for name, side in (("lower", LOWER), ("upper", UPPER)):
-            edge = write_edge(block, spline, first_index, weights, n=n, side=side, name=f"{name}_edge")
-            block.store(name, loop.index, edge)
+        lower_edge, upper_edge = write_edges(block, spline, write_edge_indices(block, row, loop.index), weights)
+        block.store("lower", loop.index, lower_edge)
+        block.store("upper", loop.index, upper_edge)
     block.leave()
     doc = (
         "Edges of the tube gamma at time t (seconds), in the task's units.",
@@ -180,10 +150,12 @@ def _build_tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Fu
     segments_per_second = real(Fraction(design.segments) / design.prescribed_time)
     segment_rate = block.select("per_second", is_moving, segments_per_second, real(0))
     with block.loop("i", n) as loop:
-        first_index = write_first_index(block, row, loop.index)
-        for name, side in (("lower", LOWER), ("upper", UPPER)):
-            slope = write_edge(block, spline, first_index, weights, n=n, side=side, name=f"{name}_slope")
-            block.store(f"{name}_rate", loop.index, block.op(f"{name}_speed", "mul", slope, segment_rate))
+        speeds = []
+        for index, name in zip(write_edge_indices(block, row, loop.index), ("lower", "upper"), strict=True):
+            slope = write_edge(block, spline, index, weights, f"{name}_slope")
+            speeds.append(block.op(f"{name}_speed", "mul", slope, segment_rate))
+        block.store("lower_rate", loop.index, speeds[LOWER])
+        block.store("upper_rate", loop.index, speeds[UPPER])
     block.leave()
     doc = (
         "Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.",
@@ -194,17 +166,15 @@ def _build_tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Fu
 
 
 def _write_x_between_edges(
-    block: Block, spline: SplineKernels, position: tuple[Var, tuple[Var, ...]], i: Var, n: int
+    block: Block, spline: SplineKernels, position: tuple[Var, tuple[Var, ...]], i: Var
 ) -> ValueBetweenEdges:
     """Write statements for component i of x and its edges. position: table index of the segment's row, and the weights."""
     row, weights = position
-    first_index = write_first_index(block, row, i)
-    lower_edge = write_edge(block, spline, first_index, weights, n=n, side=LOWER, name="lower_edge")
-    upper_edge = write_edge(block, spline, first_index, weights, n=n, side=UPPER, name="upper_edge")
+    lower_edge, upper_edge = write_edges(block, spline, write_edge_indices(block, row, i), weights)
     return ValueBetweenEdges(lower_edge, upper_edge, block.let("x_i", Load("x", i)))
 
 
-def _build_margin(spline: SplineKernels, n: int, is_width_guarded: bool) -> Function:
+def _build_margin(spline: SplineKernels, n: int) -> Function:
     """Build `margin`: the smallest margin over the components of x."""
     t = Var("t", REAL)
     block = Block({"t", "x"})
@@ -215,8 +185,8 @@ def _build_margin(spline: SplineKernels, n: int, is_width_guarded: bool) -> Func
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
         smallest = loop.carry("margin", real(Fraction(1, 2)))
-        value = _write_x_between_edges(block, spline, (row, weights), loop.index, n)
-        margin = write_margin(block, value, is_width_guarded)
+        value = _write_x_between_edges(block, spline, (row, weights), loop.index)
+        margin = write_margin(block, value, is_width_guarded=False)
         is_smaller = block.op("less", "lt", margin, smallest)
         loop.update(smallest, block.select("margin_next", is_smaller, margin, smallest))
     block.leave(smallest)
@@ -224,36 +194,35 @@ def _build_margin(spline: SplineKernels, n: int, is_width_guarded: bool) -> Func
     return Function("margin", params, tuple(block.statements), returns_status=False, doc=MARGIN_DOC, returns_real=True)
 
 
-def _build_margins(spline: SplineKernels, n: int, is_width_guarded: bool) -> Function:
+def _build_margins(spline: SplineKernels, n: int) -> Function:
     """Build `margins`: the margin by component (n,)."""
     block, row, s = begin_block_at_time({"t", "x", "margin"}, spline, ("margin",), n)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
-        value = _write_x_between_edges(block, spline, (row, weights), loop.index, n)
-        block.store("margin", loop.index, write_margin(block, value, is_width_guarded))
+        value = _write_x_between_edges(block, spline, (row, weights), loop.index)
+        block.store("margin", loop.index, write_margin(block, value, is_width_guarded=False))
     block.leave()
     params = (Param("t", None), Param("x", n), Param("margin", n, output=True))
     return Function("margins", params, tuple(block.statements), returns_status=False, doc=MARGINS_DOC)
 
 
-def _build_control(task: Task, spline: SplineKernels, law: ControlLaw, n: int, is_width_guarded: bool) -> Function:
+def _build_control(task: Task, spline: SplineKernels, law: ControlLaw, n: int) -> Function:
     """Build `control`, or `control_tick` where the segment kernel of `spline` takes a tick: u (n,) by (13) and the status."""
     (time,) = spline.segment.inputs
     is_tick = time.type is TICK
     block = Block({time.name, "x", "u"})
     is_bad = write_has_non_finite(block, () if is_tick else (time,), (("x", n),))
-    with block.leave_when(is_bad, BAD), block.loop("j", n) as loop:
+    with block.leave_when(is_bad, BAD), block.loop("m", n) as loop:
         block.store("u", loop.index, real(0))
     row, s = block.call(spline.segment, time)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
         i = loop.index
         is_outside = loop.carry("outside", FALSE)
-        value = _write_x_between_edges(block, spline, (row, weights), i, n)
-        distances = write_clamped_distances(
-            block, law.write_clamp_share(block, i), value, law.write_signed_gain(block, i), is_width_guarded
-        )
-        loop.update(is_outside, block.select("outside_any", write_is_inside(block, distances), is_outside, TRUE))
+        value = _write_x_between_edges(block, spline, (row, weights), i)
+        clamp_share, signed_gain = law.write_clamp_share(block, i), law.write_signed_gain(block, i)
+        distances = write_clamped_distances(block, clamp_share, value, signed_gain, is_width_guarded=False)
+        loop.update(is_outside, block.select("outside_next", write_is_inside(block, distances), is_outside, TRUE))
         block.store("u", i, write_input(block, law, distances, law.write_u_max(block, i)))
     write_input_scaling(block, law, n)
     block.leave(Select(is_outside, OUTSIDE, OK))

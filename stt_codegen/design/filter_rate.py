@@ -16,7 +16,7 @@ import numpy as np
 from stt_codegen.constraints import control_authority
 from stt_codegen.decimals import above
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER, RefinedDesign, demanded_accelerations, filtered_edges
+from stt_codegen.designs import LOWER, NARROWEST_WIDTH, UPPER, RefinedDesign, demanded_accelerations, filtered_edges
 from stt_codegen.errors import NotCertified
 from stt_codegen.program import round_to
 from stt_codegen.properties import Property
@@ -53,7 +53,7 @@ def _choose_rate(task: Task, design: RefinedDesign, i: int) -> Fraction:
     candidates = [
         (tube.minimum_filtered_width(float(rate)), tube.required_acceleration(float(rate)), rate)
         for rate in rates
-        if tube.minimum_filtered_width(float(rate)) > 4 * float(MINIMUM_WIDTH)
+        if tube.minimum_filtered_width(float(rate)) > float(NARROWEST_WIDTH)
     ]
     if not candidates:
         raise NotCertified(

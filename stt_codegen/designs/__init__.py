@@ -12,7 +12,7 @@ from stt_codegen.designs.adaptive import (
 )
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges, slopes_at_start
 from stt_codegen.designs.refined import COEFFICIENT_BIT_LIMIT, RefinedDesign, require_refined
-from stt_codegen.designs.tube import LOWER, MINIMUM_WIDTH, UPPER, Design, Edge, for_any_design, require_design
+from stt_codegen.designs.tube import LOWER, MINIMUM_WIDTH, NARROWEST_WIDTH, UPPER, Design, Edge, for_any_design, require_design
 
 __all__ = [
     "ALPHA_STEPS",
@@ -20,6 +20,7 @@ __all__ = [
     "GRID_STEPS",
     "LOWER",
     "MINIMUM_WIDTH",
+    "NARROWEST_WIDTH",
     "UPPER",
     "AdaptiveDesign",
     "Bump",

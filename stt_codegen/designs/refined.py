@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from stt_codegen import reference
 from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
-from stt_codegen.designs.tube import Array, Design, require_time
+from stt_codegen.designs.tube import LOWER, UPPER, Array, Design, require_time
 from stt_codegen.errors import BadInput
 
 COEFFICIENT_BIT_LIMIT = 50  # of a table entry; Bezier coefficients are up to 6 times as large
@@ -145,6 +145,11 @@ class RefinedDesign:
     def edge_speed_bounds(self) -> tuple[Fraction, ...]:
         """Return by dimension a bound on the speed of both edges at all times, in units per second."""
         return tuple(int(v) * self.speed_per_step for v in self.largest_steps().max(axis=0))
+
+    def smallest_hull_width(self) -> Fraction:
+        """Return the least Bezier coefficient of the width, which bounds it from below; at most 0 where the edges cross."""
+        edges = self.bezier()
+        return int((edges[:, :, UPPER] - edges[:, :, LOWER]).min()) * self.unit
 
     def kink(self, order: int = 1) -> npt.NDArray[np.int64]:
         """Return by dimension by how many steps the control points differ that must agree for a smooth tube at t_c.

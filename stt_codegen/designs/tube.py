@@ -17,6 +17,7 @@ from stt_codegen.errors import BadInput
 LOWER, UPPER = 0, 1  # the sides, as indices
 Edge = tuple[Fraction, Fraction]  # lower, upper
 MINIMUM_WIDTH = Fraction(1, 1 << 20)  # narrower tubes are treated as this wide, so that xi stays finite
+NARROWEST_WIDTH = Fraction(1, 1 << 18)  # P1 demands at least this: laws of refined tubes divide by the width as it is
 Array = npt.NDArray[Any]
 
 

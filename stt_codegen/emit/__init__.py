@@ -1,6 +1,7 @@
 """The text of emitted files: C, Python, Rust, certificate, self-test."""
 
 from stt_codegen.emit.driven import adapter_source, cycle_literal, driven_sources, plant_source
+from stt_codegen.emit.extras import extra_files
 from stt_codegen.emit.naming import (
     file_names,
     guard_name,
@@ -20,6 +21,7 @@ __all__ = [
     "cycle_literal",
     "design_hash",
     "driven_sources",
+    "extra_files",
     "file_names",
     "guard_name",
     "notice",

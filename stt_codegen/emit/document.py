@@ -1,4 +1,4 @@
-"""The certificate as a JSON document, format 2, which docs/certificate-format.md specifies. `render` calls it.
+"""The certificate as a JSON document, format 3, which docs/certificate-format.md specifies. `render` calls it.
 
 The claims of a refined tube are whole numbers in units of its table, and fractions; one line each. Those of adaptive and literal
 designs are decimals, rounded to the safe side.
@@ -12,15 +12,16 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.certify import Certificate, Finding, MissionProof, PeriodProof, SlackClaim, claims_of, cuts_of
+from stt_codegen.certify import Certificate, Finding, MissionProof, PeriodProof, SlackClaim, Stretch, claims_of, cuts_of
 from stt_codegen.certify.missions import SLICES
+from stt_codegen.controller.integers import certified_constants
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design
 from stt_codegen.program import Program
 from stt_codegen.task import Task
 
-CERTIFICATE_FORMAT = 2
+CERTIFICATE_FORMAT = 3
 # Significant digits of margins and bounds, by method: fewer where the last digits of a library's functions reach them.
 DIGITS = {"enclosure": 4, "sampled": 6}
 
@@ -74,6 +75,7 @@ def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[
         "start": [[int(a), int(b)] for a, b in bezier[0, :, :, 0]],
         "covers_initial_set": certificate.covers_initial_set,
         "control": _control(task),
+        **({"integers": certified_constants(task, design)} if task.emit.scalar == "fixed" else {}),
         **({"clock": _clock(task)} if task.has_timed_sets else {}),
         "claims": [_claim(claim, cuts) for claim in claims],
         **({} if certificate.mission is None else {"mission": _mission(certificate.mission, cuts)}),
@@ -99,9 +101,17 @@ def _claim(claim: SlackClaim, cuts: int) -> dict[str, Any]:
     if claim.margin is not None:
         entry["margin"] = claim.margin
     if claim.hints:
-        entry["hints"] = [
-            [int(h.begin * cuts), int(h.end * cuts), *([] if h.normal is None else [list(h.normal)])] for h in claim.hints
-        ]
+        entry["hints"] = [_hint(hint, cuts) for hint in claim.hints]
+    return entry
+
+
+def _hint(hint: Stretch, cuts: int) -> list[Any]:
+    """Return a hint: from, to, and where there are any the normal, and the multipliers of the set's half-spaces."""
+    entry: list[Any] = [int(hint.begin * cuts), int(hint.end * cuts)]
+    if hint.normal is not None:
+        entry.append(list(hint.normal))
+    if hint.multipliers is not None:
+        entry.append([str(v) for v in hint.multipliers])
     return entry
 
 

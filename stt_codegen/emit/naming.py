@@ -10,7 +10,6 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from stt_codegen.errors import BadInput
 from stt_codegen.program import Assign, Call, For, Program, Return, Statement
 from stt_codegen.program.targets import TARGETS
 
@@ -61,10 +60,11 @@ def spelled_name(prefix: str) -> str:
 
 
 def check_names(program: Program) -> None:
-    """Refuse names that collide.
+    """Refuse names that collide, whatever the task is called.
 
-    Raises ValueError when two externals collide, a local is assigned twice, or a name is taken in a target language. Raises
-    `BadInput` where an external name, which begins with the task's, is also that of a local, which would hide it.
+    Raises `ValueError` when two externals collide, a local is assigned twice, or a name is taken in a target language. The same
+    for a local that could be an external name of the file for some name of the task, which begins external names: it would hide
+    that name. Capitals are for macros: no local has them.
     """
     external = [t.name for t in program.tables] + [k.name for k in program.kernels] + [f.name for f in program.functions]
     external += ["real", "status", "selftest", "guard", "phase", "wrap", "wrap_tick", "unwrap", "exponent", "mantissa"]
@@ -73,20 +73,19 @@ def check_names(program: Program) -> None:
         _require_unique([v.name for v in kernel.inputs] + [a.var.name for a in kernel.body], kernel.name)
     for function in program.functions:
         _require_unique([p.name for p in function.params] + list(_assigned_names(function.body)), function.name)
-    hidden = {f"{program.prefix}_{name}" for name in external} | _helper_names(program)
-    local = next((name for name in _locals(program) if name in hidden), None)
-    if local is not None:
-        raise BadInput(
-            f"name: with {program.prefix!r} the emitted files would have {local!r} twice, as a local variable and as a name that "
-            "begins with the task's; choose another"
-        )
+    endings = tuple(f"_{name}" for name in {*external, *_helper_names(program)})
+    for name in _locals(program):
+        if name.endswith(endings):
+            raise ValueError(f"the local {name!r} would hide a function or table of a task called {name.partition('_')[0]!r}")
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+            raise ValueError(f"the local {name!r} is no name in small letters")
 
 
 def _helper_names(program: Program) -> set[str]:
-    """Return the names with the task's prefix of the helper functions that printers add."""
+    """Return the names of the helper functions that printers add, without the task's name."""
     printable = (target for target in TARGETS if target.integers or program.scalar != "fixed")
     text = "\n".join(str(target.printer(program).helpers()) for target in printable)
-    return set(re.findall(rf"\b{re.escape(program.prefix)}_\w+", text))
+    return set(re.findall(rf"\b{re.escape(program.prefix)}_(\w+)", text))
 
 
 def _locals(program: Program) -> Iterator[str]:

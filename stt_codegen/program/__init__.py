@@ -42,7 +42,7 @@ from stt_codegen.program.number import (
     shortest,
     ulp_exponent,
 )
-from stt_codegen.program.operations import COST_KINDS, INT, OPERATIONS, REAL, STATUS, TICK, Type
+from stt_codegen.program.operations import COST_KINDS, INT, REAL, STATUS, TICK, Type
 
 __all__ = [
     "COST_KINDS",
@@ -50,7 +50,6 @@ __all__ = [
     "FORMATS",
     "INT",
     "NAN",
-    "OPERATIONS",
     "REAL",
     "STATUS",
     "TICK",

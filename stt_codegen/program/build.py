@@ -38,18 +38,13 @@ class Block:
 
     used_names: set[str] = field(default_factory=set)
     statements: list[Statement] = field(default_factory=list)
-    suffixes: dict[str, int] = field(default_factory=dict)  # the last number that was put behind each name
 
     def fresh(self, name: str, kind: Type) -> Var:
-        """Return a variable of that name, with a number behind it where the name is used already."""
-        k = self.suffixes.get(name, 1)
-        candidate = name if k == 1 else f"{name}{k}"
-        while candidate in self.used_names:
-            k += 1
-            candidate = f"{name}{k}"
-        self.used_names.add(candidate)
-        self.suffixes[name] = k
-        return Var(candidate, kind)
+        """Return a variable of that name. Raises `ValueError` where the name is used already: names are given by hand."""
+        if name in self.used_names:
+            raise ValueError(f"the name {name!r} is used twice in one block")
+        self.used_names.add(name)
+        return Var(name, kind)
 
     def let(self, name: str, value: Expression) -> Var:
         """Assign an expression to a new variable, and return it."""

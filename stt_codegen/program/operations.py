@@ -295,13 +295,13 @@ OPERATIONS: dict[str, Operation] = {
     "idiv": _integer("/", operator.floordiv, "_divide({0}, {1})"),  # of a number not negative by a positive one, rounded down
     "ishr": _integer(">>", operator.rshift, "_shift_right({0}, {1})"),  # rounded down, of a negative number too
     "ishl": _integer("<<", operator.lshift, "_shift_left({0}, {1})"),  # of a number not negative
-    "upper": Operation(  # a b / 2^16 rounded down, 0 <= b < 2^16: a product of 48 bits without its last 16
+    "high_product": Operation(  # a b / 2^16 rounded down, 0 <= b < 2^16: a product of 48 bits without its last 16
         (INT, INT), INT, "mul", lambda a, b: a * b >> 16, ball="_high_product({0}, {1})",
     ),
     # of 16 bits each, the first with a sign, the second without one
     "product": Operation((INT, INT), INT, "mul", operator.mul, "*", ball="_multiply({0}, {1})"),
     # a mod 2^k, for a second argument of 2^k - 1
-    "low": Operation((INT, INT), INT, "integer", operator.and_, ball="_mask({0}, {1})"),
+    "low_bits": Operation((INT, INT), INT, "integer", operator.and_, ball="_mask({0}, {1})"),
     "short": Operation((INT,), INT, "integer", lambda a: a, ball="_unchanged({0})"),  # of 16 bits, which C then knows
     # of a > 0: by how many places it can be shifted left, so that it is in [2^30, 2^31)
     "leading": Operation((INT,), INT, "integer", lambda a: 31 - a.bit_length(), ball="_leading_places({0})"),

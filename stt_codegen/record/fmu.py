@@ -22,7 +22,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from stt_codegen.design_kinds import kinds_offering
-from stt_codegen.emit import Files, cycle_literal, driven_sources, file_names, phase_name, spelled_name
+from stt_codegen.emit import Files, cycle_literal, driven_sources, extra_files, file_names, phase_name
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model, model
@@ -166,9 +166,7 @@ def controller_unit(controller: EmittedController) -> Unit:
         state_members=_state_members(task.control.outside, proved is not None),
         stop_time=_double_literal(task.prescribed_time),
         step_size="" if task.control.period is None else _double_literal(task.control.period),
-        extras={
-            name: controller.files[name] for name in (common.certificate, spelled_name(task.name)) if name in controller.files
-        },
+        extras=extra_files(task.name, design, controller.files, has_module=False),
     )
 
 

@@ -14,12 +14,12 @@ from stt_codegen.decimals import decimal
 from stt_codegen.emit import (
     Files,
     design_hash,
+    extra_files,
     file_names,
     guard_name,
     phase_name,
     selftest_name,
     selftest_suites,
-    spelled_name,
     unwrap_name,
     wrap_name,
 )
@@ -69,7 +69,7 @@ def package(controller: EmittedController, kind: str, plant: Model | None = None
 
 
 def _library(kind: str, controller: EmittedController) -> Files:
-    """Return a folder <p>/ for a build system: its files, the C in src/, the certificate and the Python in extras/."""
+    """Return a folder <p>/ for a build system: its files, the C in src/, files for people in extras/."""
     prefix = controller.task.name
     common = file_names(prefix)
     inline, integers = controller.task.emit.math == "inline", controller.program.tick is not None
@@ -102,11 +102,8 @@ def _library(kind: str, controller: EmittedController) -> Files:
     sources = [n for n in (common.header, common.source, *(name_of(prefix) for name_of in optional)) if n in controller.files]
     words["sources"] = " ".join(f"src/{name}" for name in sources if name.endswith(".c"))
     files = {f"src/{name}": controller.files[name] for name in sources}
-    files |= {
-        f"extras/{name}": controller.files[name]
-        for name in (common.module, common.certificate, spelled_name(prefix))
-        if name in controller.files
-    }
+    extras = extra_files(prefix, controller.design, controller.files)
+    files |= {f"extras/{name}": data for name, data in extras.items()}
     files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in template_names.items()}
     return {f"{prefix}/{path}": data for path, data in files.items()}
 
@@ -132,12 +129,8 @@ def _of_language(target: TargetLanguage, controller: EmittedController) -> Files
         with suppress(BadInput):  # rounding hides u: a package without tests
             test_suites = selftest_suites(task, controller.design, controller.program)
             files[path] = template(f"{target.key}/{name}").render(**words, suites=test_suites).encode()
-    common = file_names(task.name)
-    files |= {
-        f"extras/{name}": controller.files[name]
-        for name in (common.module, common.certificate, spelled_name(task.name))
-        if name in controller.files
-    }
+    extras = extra_files(task.name, controller.design, controller.files)
+    files |= {f"extras/{name}": data for name, data in extras.items()}
     return {f"{task.name}/{path}": data for path, data in files.items()}
 
 

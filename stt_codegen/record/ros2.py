@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from stt_codegen.certify.missions import cycle_of
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import kinds_offering
-from stt_codegen.emit import Files, design_hash, driven_sources, file_names, spelled_name
+from stt_codegen.emit import Files, design_hash, driven_sources, extra_files, file_names
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.template_files import template
@@ -78,11 +78,7 @@ def ros2_package(controller: EmittedController) -> Files:
     files |= {f"{package}/__init__.py": b"", f"resource/{package}": b""}
     files["setup.cfg"] = f"[develop]\nscript_dir=$base/lib/{package}\n[install]\ninstall_scripts=$base/lib/{package}\n".encode()
     files |= {f"src/{name}": controller.files[name] for name in sources}
-    files |= {
-        f"extras/{name}": controller.files[name]
-        for name in (common.module, common.certificate, spelled_name(task.name))
-        if name in controller.files
-    }
+    files |= {f"extras/{name}": data for name, data in extra_files(task.name, controller.design, controller.files).items()}
     return {f"{package}/{path}": data for path, data in files.items()}
 
 

@@ -24,7 +24,7 @@ from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
 # The error of the emitted law against (13) on the numbers that it measures: relative, and in eps = ln(a/b). Float: less than 32
-# roundings of 2^-24, the library's logarithm within 4 units; inline adds its 2^-14.9 of eps. Fixed: `integers.errors.law_error`,
+# roundings of 2^-24, the library's logarithm within 4 units; inline adds its 2^-14.9 of eps. Fixed: `integer_errors.law_error`,
 # and its clamp, which acts up to 2^-13 later; neither kind of logarithm is used.
 ROUNDING = {
     ("fixed", "libm"): 2.0**-10,

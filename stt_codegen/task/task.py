@@ -21,6 +21,7 @@ from stt_codegen.task.checks import explain, first_problem, structure_problem
 from stt_codegen.task.closed_axes import ClosedAxis, SetImage, expand_turns, turns_problem
 from stt_codegen.task.map import FloorPlan, expand_outline, name_walls
 from stt_codegen.task.schema import TaskTables
+from stt_codegen.task.sets import Unsafe
 from stt_codegen.task.values import ADD_IT
 
 
@@ -129,6 +130,10 @@ class Task(TaskTables):
     def closed_axes(self) -> tuple[ClosedAxis, ...]:
         """The axes that close, each with the turns chosen in it."""
         return self._closed_axes
+
+    def stated_set(self, j: int) -> Unsafe:
+        """Return the table of unsafe set j as the file has it, or of the set whose image it is."""
+        return self.as_stated.unsafe[self._images[j].source if j < len(self._images) else j]
 
     def unsafe_field(self, j: int) -> str:
         """Return the field of the file that has unsafe set j, or the set whose image it is."""

@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
-from stt_codegen.certify import checker
+from stt_codegen.checker.stt_checker.exact import rounded
 from stt_codegen.errors import BadInput
 from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import task_keys
@@ -120,8 +120,11 @@ INLINE_LOGARITHM_ACCURACY = "(fun called => False_ind _ (Bool.diff_true_false ca
 UNREAD_SPELLING = re.compile(
     r"['{}\\\r]|\"\"\"|\d_\d|[=\[,]\s*\+|\b0[xob]|^\s*\[\[?\s*\"|^\s*\"[^\"\n]*\"\s*[.=]|^\s*[\w-]+\s*\.[^\n=]*=", re.M
 )
-# C that proof/Read.v refuses: backslashes, trigraphs, directives inside a line, and operators that could be read as one token.
-UNREAD_IN_C = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#|[-+&|<>=!]\s*/|([+&|>-])\s+\1|[<>=!]\s+=")
+# C that proof/Read.v refuses: backslashes, trigraphs, directives inside a line; and where there is no directive, operators that
+# could be read as one token.
+UNREAD_IN_C = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#")
+UNREAD_SIGNS = re.compile(rb"[-+&|<>=!]\s*/|([+&|>-])\s+\1|[<>=!]\s+=")
+DIRECTIVE = re.compile(rb"^#.*", re.M)
 
 
 def _unread_part(task: bytes) -> str:
@@ -149,7 +152,9 @@ def reason_not_covered(facts: Facts, task: bytes, header: bytes, source: bytes) 
         facts.uncovered_loop_feature: bool(facts.uncovered_loop_feature),
         "e_max below 0.5, or nearly 1": not all((1 - e) * (1 << 29) >= 1 and e >= Fraction(1, 2) for e in facts.e_max),
         "texts beyond ASCII": not all(text.isascii() for text in (task, *code)),
-        "comments with signs that C reads before tokens": any(UNREAD_IN_C.search(text) for text in code),
+        "comments with signs that C reads before tokens": any(
+            UNREAD_IN_C.search(text) or UNREAD_SIGNS.search(DIRECTIVE.sub(b"", text)) for text in code
+        ),
         "a guard": any(f"{facts.name}_guard".encode() in text for text in code),
         "ticks of segments that have more parts than a float tells apart": (
             facts.tick_period is not None and (facts.tick_period * facts.segments / facts.t_c).denominator > 1 << 24
@@ -164,7 +169,7 @@ def reason_not_covered(facts: Facts, task: bytes, header: bytes, source: bytes) 
 
 def with_rounded_gain(facts: Facts) -> Facts:
     """Return the facts with the gain that Coq reads in the C, rounded to the format. The C's limits are rounded already."""
-    return replace(facts, gain=tuple(checker.rounded(v, FORMATS[facts.scalar].bits) for v in facts.gain))
+    return replace(facts, gain=tuple(rounded(v, FORMATS[facts.scalar].bits) for v in facts.gain))
 
 
 def describe_closed_loop(facts: Facts) -> str:

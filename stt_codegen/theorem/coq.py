@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from stt_codegen.certify import checker
+from stt_codegen import checker
 from stt_codegen.errors import BadInput, MissingTool
 from stt_codegen.lemmas import folder as cache_folder
 from stt_codegen.theorem.reading import Unread
@@ -194,6 +194,6 @@ def check_theorems(task: Path, source: Path, certificate: Path) -> CoqVerdict:
 
 def checker_refusal(task: Path, source: Path, certificate: Path) -> str:
     """Return the message of the stand-alone checker where it refuses the files; empty where it verifies them."""
-    command = [sys.executable, checker.__file__, str(task), str(source), str(certificate)]
+    command = [sys.executable, "-I", str(checker.FOLDER), str(task), str(source), str(certificate)]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     return (run.stdout + run.stderr).strip() or "the checker says nothing" if run.returncode else ""

@@ -41,7 +41,7 @@ class Facts:
     design: the tube of the C's table. edge_error: P7's bound for all dimensions, in units of the table; no smaller than the
     certificate's.
     walls, goals: half-spaces that cut state space and target. normals: for each unsafe set. time_scale, last_spline_time: K/t_c
-    and the end of the last segment, as the C has them. code: the statements of `basis` and then `blend`, on s, q0 .. q3.
+    and the end of the last segment, as the C has them. code: the statements of `basis` and then `edge_at`, on s, q0 .. q3.
     uncovered_loop_feature: what of this task no theorem about the loop covers yet; empty if all is covered.
     """
 

@@ -136,10 +136,10 @@ def _describe_connection(facts: Facts) -> str:
     """Describe what connects the theorems with the C, and what is assumed."""
     law = "" if facts.uncovered_loop_feature else ", and that the law is this one and loses no more,"
     return (
-        "What connects these with the C: the table, the constants of time, and the statements of `basis` and `blend` are those "
-        f"of the C text, found by the stand-alone checker's reader; that `segment`, loops and indices use them so{law} is the "
-        "checker's word. What is taken from the task was written out by Python. Assumed: IEEE-754 arithmetic without "
-        "contraction, and that no number overflows."
+        "What connects these with the C: the table, the constants of time, and the statements of `basis` and `edge_at` are those "
+        f"of the C text, found by Python; that loops and indices use them so{law} is the stand-alone checker's word, which "
+        "requires that the C is its listing. What is taken from the task was written out by Python. Assumed: IEEE-754 arithmetic "
+        "without contraction, and that no number overflows."
     )
 
 

@@ -1,20 +1,22 @@
-"""Unsafe sets as proof/Sets.v has them, read from the task's text, and the certificate's normals for them.
+"""The sets of a task as proof/Sets.v and proof/Tube.v have them, and the certificate's normals for the unsafe ones.
 
-Coq reads the sets itself and believes no normal. A normal of a set that half-spaces cut comes with multipliers, which prove how
-far the set reaches along it. theorem/reading.py calls this.
+The sets are those that the stand-alone checker reads. Where a theorem is about the whole C, Coq reads the task's text by itself
+and compares. It believes no normal: a normal of a set that half-spaces cut comes with multipliers, which prove how far the set
+reaches along it. theorem/reading.py calls this.
 """
 
 from __future__ import annotations
 
-import itertools
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.certify import checker
+from stt_codegen.checker.stt_checker.exact import require
+from stt_codegen.checker.stt_checker.sets import HalfSpace as CheckedHalfSpace
+from stt_codegen.checker.stt_checker.sets import Obstacle, spread_over
+from stt_codegen.checker.stt_checker.task import Task
+from stt_codegen.task.sets import inscribed
 
 Point = tuple[Fraction, ...]
 Edges = tuple[Point, Point]  # of a box: lower, upper
@@ -41,81 +43,75 @@ class Shape:
 
 @dataclass(frozen=True)
 class TaskSets:
-    """The unsafe sets of a task, and the half-spaces that cut its state space (shrunk by the body) and its target."""
+    """The boxes of a task, its unsafe sets, and the half-spaces that cut its state space (`walls`) and its target (`goals`).
 
+    The state space is shrunk by the body. Of a ball as target, `target` is the box about it, and all that is within `goals` is
+    within the ball.
+    """
+
+    space: Edges
+    start: Edges
+    target: Edges
     unsafe: tuple[Shape, ...]
     walls: tuple[HalfSpace, ...]
     goals: tuple[HalfSpace, ...]
 
 
-def read_sets(data: bytes, task: checker.Task) -> TaskSets:
-    """Read the sets of a task file that the stand-alone checker has read as `task`.
-
-    Half-spaces that the file states by vertices, or as a ball, are those of the checker.
-    """
-    n = task.n
-    document = tomllib.loads(data.decode("utf-8-sig"), parse_float=Decimal)
-    names = list(document.get("axes") or [f"x{i + 1}" for i in range(n)])
-    body = document.get("body", 0)
-    body_half_widths = _point(body) if isinstance(body, list) else (Fraction(body),) * n
-    space = _point(document["state_space"]["lower"]), _point(document["state_space"]["upper"])
-    unsafe = tuple(_read_shape(table, names, space, body_half_widths) for table in document.get("unsafe", []))
-    walls = _read_half_spaces(document["state_space"], names, body_half_widths) or _exact_half_spaces(task.walls)
-    target, no_body = document.get("target_set", {}), (Fraction(0),) * n
-    return TaskSets(unsafe, walls, _read_half_spaces(target, names, no_body) or _exact_half_spaces(task.goals))
-
-
-def _exact_half_spaces(half_spaces: Sequence[tuple[Sequence[int], Fraction]]) -> tuple[HalfSpace, ...]:
-    return tuple((_point(normal), offset) for normal, offset in half_spaces)
-
-
-def _read_half_spaces(table: dict[str, Any], names: list[str], body: Point) -> tuple[HalfSpace, ...]:
-    """Return the half-spaces of a table with `normals` and `offsets`, in all dimensions, moved inwards by the body."""
-    axes = [names.index(axis) for axis in table.get("axes", names)]
-    half_spaces = []
-    for axes_normal, offset in zip(table.get("normals", []), table.get("offsets", []), strict=True):
-        by_axis = dict(zip(axes, _point(axes_normal), strict=True))
-        normal = tuple(by_axis.get(i, Fraction(0)) for i in range(len(names)))
-        body_reach = sum(abs(c) * h for c, h in zip(normal, body, strict=True))
-        half_spaces.append((normal, Fraction(offset) - body_reach))
-    return tuple(half_spaces)
+def sets_of(task: Task) -> TaskSets:
+    """Return the sets of a task with a target, as the stand-alone checker has read them."""
+    n, inside = task.n, task.target
+    assert inside is not None
+    space = _box_of(task.space.faces[: 2 * n])  # the checker lists the faces of a box first
+    has_box = len(inside.faces) >= 2 * n
+    target, goals = _box_of(inside.faces[: 2 * n]), _half_spaces(inside.faces[2 * n :])
+    if inside.ball is not None:
+        (centre, radius), axes = inside.ball, inside.axes
+        within_ball = inscribed(tuple(centre), radius)
+        goals += _half_spaces([(spread_over(axes, [Fraction(c) for c in v], n), offset) for v, offset in within_ball])
+        if not has_box:
+            by_axis = dict(zip(axes, centre, strict=True))
+            target = (
+                tuple(by_axis[i] - radius if i in by_axis else v for i, v in enumerate(space[0])),
+                tuple(by_axis[i] + radius if i in by_axis else v for i, v in enumerate(space[1])),
+            )
+    unsafe = tuple(shape_of(obstacle) for obstacle in task.unsafe)
+    start = tuple(task.start[0]), tuple(task.start[1])
+    return TaskSets(space, start, target, unsafe, _half_spaces(task.space.faces[2 * n :]), goals)
 
 
-def _point(values: Sequence[Any]) -> Point:
-    return tuple(map(Fraction, values))
+def _half_spaces(faces: Sequence[CheckedHalfSpace]) -> tuple[HalfSpace, ...]:
+    return tuple((tuple(normal), offset) for normal, offset in faces)
 
 
-def _read_shape(table: dict[str, Any], names: list[str], space: Edges, body: Point) -> Shape:
-    """Return the set of an `unsafe` table, grown by the body. Raises `checker.Unusable` for a form that is not known."""
-    axes = [names.index(axis) for axis in table.get("axes", names)]
-    zero = (Fraction(0),) * len(names)
+def _box_of(faces: Sequence[CheckedHalfSpace]) -> Edges:
+    """Return the box of faces that come in pairs, x_i <= b and -x_i <= -a."""
+    return tuple(-offset for _, offset in faces[1::2]), tuple(offset for _, offset in faces[::2])
 
-    def in_all_dimensions(values: Sequence[Any], elsewhere: Point = zero) -> Point:
-        by_axis = dict(zip(axes, _point(values), strict=True))
-        return tuple(by_axis.get(i, v) for i, v in enumerate(elsewhere))
 
-    axes_zero = [0] * len(axes)
-    lower = in_all_dimensions(table.get("lower", axes_zero), space[0])
-    upper = in_all_dimensions(table.get("upper", axes_zero), space[1])
-    box_about_points = (
-        tuple(a - h for a, h in zip(lower, body, strict=True)),
-        tuple(b + h for b, h in zip(upper, body, strict=True)),
-    )
-    if "normals" in table:
-        core_box = in_all_dimensions([space[0][i] for i in axes]), in_all_dimensions([space[1][i] for i in axes])
-        half_spaces = tuple(zip(map(in_all_dimensions, table["normals"]), _point(table["offsets"]), strict=True))
-        return Shape(points=(), core_box=core_box, half_spaces=half_spaces, box_about_points=box_about_points, axes=tuple(axes))
-    if not {"lower", "vertices", "segment", "centre"} & table.keys():
-        raise checker.Unusable("the task has an unsafe set of a form that is not known here")
-    core_points = table.get("vertices") or table.get("segment") or ([table["centre"]] if "centre" in table else [])
+def shape_of(obstacle: Obstacle) -> Shape:
+    """Return an unsafe set of the stand-alone checker, which has the state space about each point in free dimensions."""
+    axes, n = obstacle.axes, len(obstacle.half)
+    free_axes = [i for i in range(n) if i not in axes]
+    is_box = not obstacle.faces and any(obstacle.half[i] for i in axes)
+    edges = [[v + side * h for v, h in zip(obstacle.points[0], obstacle.half, strict=True)] for side in (-1, 1)]
+    lower, upper = (_with_zeros(edge, range(n) if is_box else free_axes) for edge in edges)
+    points, cut_axes = ([], axes) if obstacle.faces else ([] if is_box else obstacle.points, [])
     return Shape(
-        points=tuple(map(in_all_dimensions, core_points)),
-        core_box=(zero, zero),
-        half_spaces=(),
-        box_about_points=box_about_points,
+        points=tuple(_with_zeros(point, axes) for point in points),
+        core_box=(_with_zeros(edges[0], cut_axes), _with_zeros(edges[1], cut_axes)),
+        half_spaces=_half_spaces(obstacle.faces),
+        box_about_points=(
+            tuple(a - h for a, h in zip(lower, obstacle.body, strict=True)),
+            tuple(b + h for b, h in zip(upper, obstacle.body, strict=True)),
+        ),
         axes=tuple(axes),
-        radius=Fraction(table.get("radius", 0)),
+        radius=obstacle.radius,
     )
+
+
+def _with_zeros(values: Sequence[Fraction], axes: Sequence[int]) -> Point:
+    """Return a vector with 0 in place of the values in all other dimensions."""
+    return tuple(v if i in axes else Fraction(0) for i, v in enumerate(values))
 
 
 def is_box(shape: Shape) -> bool:
@@ -124,54 +120,15 @@ def is_box(shape: Shape) -> bool:
 
 
 def usable_normals(shape: Shape, hints: Any) -> tuple[Normal, ...]:
-    """Return the normals of the certificate's hints [[from, to, normal], ..], with their multipliers.
+    """Return the normals of a claim's hints [from, to, normal] or [from, to, normal, multipliers], each once.
 
-    Without half-spaces, normals along an axis are left out: Coq tries these by itself.
+    Without half-spaces, normals along an axis are left out: Coq tries these by itself. Raises `Refused` for other hints.
     """
-    n = len(shape.box_about_points[0])
-    hinted = [tuple(hint[-1]) for hint in hints or [] if isinstance(hint, list) and hint and isinstance(hint[-1], list)]
-    integer_normals = [v for v in dict.fromkeys(hinted) if len(v) == n and all(type(c) is int for c in v)]
-    return tuple((v, half_space_multipliers(shape, v)) for v in integer_normals if shape.half_spaces or sum(map(bool, v)) > 1)
-
-
-def half_space_multipliers(shape: Shape, normal: Sequence[int]) -> Point:
-    """Return a multiplier >= 0 for each half-space, with which Coq's bound on the set's reach along the normal is the reach.
-
-    By the duality of linear programs they belong to the core's farthest corner. Every choice of as many bounds as dimensions is
-    tried.
-    """
-    if not shape.half_spaces:
-        return ()
-    axes, zero = shape.axes, (Fraction(0),) * len(shape.axes)
-    box_bounds = [
-        ((*zero[:k], Fraction(s), *zero[k + 1 :]), s * shape.core_box[s > 0][i]) for k, i in enumerate(axes) for s in (-1, 1)
-    ]
-    bounds = [*((tuple(n[i] for i in axes), offset) for n, offset in shape.half_spaces), *box_bounds]
-    count = len(shape.half_spaces)
-    best, smallest_reach = (Fraction(0),) * count, None
-    for chosen in itertools.combinations(range(len(bounds)), len(axes)):
-        chosen_bounds = [bounds[j] for j in chosen]
-        columns = [[bound_normal[k] for bound_normal, _ in chosen_bounds] for k in range(len(axes))]
-        multipliers = _solve_linear_system(columns, [Fraction(normal[i]) for i in axes])
-        if multipliers is None or min(multipliers) < 0:
-            continue
-        reach = sum((m * offset for m, (_, offset) in zip(multipliers, chosen_bounds, strict=True)), Fraction(0))
-        if smallest_reach is None or reach < smallest_reach:
-            by_bound = dict(zip(chosen, multipliers, strict=True))
-            best, smallest_reach = tuple(by_bound.get(j, Fraction(0)) for j in range(count)), reach
-    return best
-
-
-def _solve_linear_system(rows: list[list[Fraction]], right: list[Fraction]) -> list[Fraction] | None:
-    """Solve as many equations as unknowns by Gauss-Jordan elimination; None where the solution is not unique."""
-    system = [[*row, b] for row, b in zip(rows, right, strict=True)]
-    for k in range(len(system)):
-        pivot = next((r for r in range(k, len(system)) if system[r][k]), None)
-        if pivot is None:
-            return None
-        system[k], system[pivot] = system[pivot], system[k]
-        system[k] = [v / system[k][k] for v in system[k]]
-        for r, row in enumerate(system):
-            if r != k and row[k]:
-                system[r] = [v - row[k] * w for v, w in zip(row, system[k], strict=True)]
-    return [row[-1] for row in system]
+    n, normals = len(shape.box_about_points[0]), dict[Normal, None]()
+    for _, _, normal, *multipliers in hints or []:
+        require(len(normal) == n and all(type(c) is int for c in normal), "a hint has no normal of whole numbers")
+        bounds = tuple(Fraction(v) for v in multipliers[0]) if multipliers else ()
+        require(len(bounds) == len(shape.half_spaces), "a hint does not have a multiplier for every half-space")
+        if shape.half_spaces or sum(map(bool, normal)) > 1:
+            normals[tuple(normal), bounds] = None
+    return tuple(normals)

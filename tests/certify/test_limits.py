@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import stt_codegen as stt
-from stt_codegen.certify import checker
 from stt_codegen.certify.certificate import Certificate
+from stt_codegen.checker import check_files
 from stt_codegen.compare.comparison import compare
 from stt_codegen.constraints import control_authority
 from stt_codegen.designs.refined import RefinedDesign
@@ -90,7 +90,7 @@ def test_the_tube_needs_no_more_input_than_u_max(name: str, tmp_path: Path) -> N
     assert (-upper_rate.min(axis=0) < authority).all()
     sampled_margin = min((authority - lower_rate.max(axis=0)).min(), (authority + upper_rate.min(axis=0)).min())
     assert 0 < float(finding.margin) <= sampled_margin + 1e-9  # the certificate bounds rates by their Bezier coefficients
-    assert checker.main(write_with_claim(task, controller, controller.certificate, tmp_path)) == 0
+    assert check_files(write_with_claim(task, controller, controller.certificate, tmp_path)) == 0
 
 
 def edge_rates(controller: EmittedController, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -114,7 +114,7 @@ def test_a_tube_that_is_too_fast_for_its_limit_is_refused_by_both(tmp_path: Path
         certificate = certify(task, free.design, build_program(task, free.design))
         folder = tmp_path / str(k)
         folder.mkdir()
-        exit_code = checker.main(
+        exit_code = check_files(
             write_with_claim(
                 task, dataclasses.replace(free, task=task, program=build_program(task, free.design)), certificate, folder
             )
@@ -276,13 +276,13 @@ def test_backends_agree_on_a_scaled_u_and_the_checker_refuses_another(tmp_path: 
     for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
     arguments = [str(tmp_path / f) for f in ("task.toml", "scaled.c", "scaled.certificate.json")]
-    assert checker.main(arguments) == 0
+    assert check_files(arguments) == 0
     for old, new in (
-        (b"u_law_i * factor", b"u_law_i / factor"),
+        (b"u_r * factor", b"u_r / factor"),
         (b"over ? largest : 1.0F", b"over ? 1.0F : largest"),
         (b"more ? size : largest", b"more ? largest : size"),
-        (b"const scaled_real u_law_i = u[i3];", b"u[i3] = 0.0F;\n        const scaled_real u_law_i = u[i3];"),
-        (b"const scaled_real u_law_i = u[i3];", b"const scaled_real u_law_i = x[i3];"),
+        (b"const scaled_real u_r = u[r];", b"u[r] = 0.0F;\n        const scaled_real u_r = u[r];"),
+        (b"const scaled_real u_r = u[r];", b"const scaled_real u_r = x[r];"),
     ):
         source = controller.files["scaled.c"]
         assert source.count(old) == 1
@@ -291,7 +291,7 @@ def test_backends_agree_on_a_scaled_u_and_the_checker_refuses_another(tmp_path: 
         proof["sha256"]["scaled.c"] = hashlib.sha256(changed).hexdigest()
         (tmp_path / "scaled.c").write_bytes(changed)
         (tmp_path / "scaled.certificate.json").write_text(json.dumps(proof))
-        assert checker.main(arguments) == 1
+        assert check_files(arguments) == 1
     rows = compare(controller.task, 400)
     assert all(row.share <= 1 for row in rows)
 

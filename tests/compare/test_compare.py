@@ -58,7 +58,7 @@ MUTATIONS = [
     ("(-0.5F) : 0.5F", "(-0.5F) : 0.5001F", "u"),
     ("1.0F + v0", "1.00001F + v0", "xi"),
     ("logf(v0)", "log1pf(v0)", "epsilon"),
-    ("const bool within = 0.0F < nearest", "const bool within = -0.001F < nearest", "status"),
+    ("const bool inside = 0.0F < distance", "const bool inside = -0.001F < distance", "status"),
     ("3.0F * v4", "3.00002F * v4", "tube"),
     ("v0 - s", "v0 + s", "tube rate"),
 ]

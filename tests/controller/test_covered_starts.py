@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import stt_codegen as stt
-from stt_codegen.certify.checker import main as check_alone
+from stt_codegen.checker import check_files
 from stt_codegen.controller.covered_starts import BOUND_TABLES, compute_covered_starts, start_share
 from stt_codegen.designs.filtered import slopes_at_start
 from stt_codegen.program.number import FORMATS
@@ -161,12 +161,12 @@ CHANGES_OF_C = {
     "a bound moved outwards": lambda c: with_moved_entry(c, "start_upper", 1, 1),
     "a bound moved inwards": lambda c: with_moved_entry(c, "start_lower", 0, 1),
     "the bounds exchanged": lambda c: c.replace("omni_s2_start_lower[i]", "omni_s2_start_upper[i]"),
-    "one side alone": lambda c: c.replace("const bool x_i_between = x_i_after && x_i_before;", "const bool x_i_between = x_i_after && x_i_after;"),
-    "an edge included": lambda c: c.replace("x_i < start_upper_i", "x_i <= start_upper_i"),
-    "the last component alone": lambda c: c.replace("x_i_between ? covered : false", "x_i_between ? true : false"),
-    "covered from the start": lambda c: c.replace("x_i_between ? covered : false", "x_i_between ? covered : true"),
+    "one side alone": lambda c: c.replace("x_inside = x_above && x_below;", "x_inside = x_above && x_above;"),
+    "an edge included": lambda c: c.replace("x_below = x_i < x_upper", "x_below = x_i <= x_upper"),
+    "the last component alone": lambda c: c.replace("x_inside ? covered : false", "x_inside ? true : false"),
+    "covered from the start": lambda c: c.replace("x_inside ? covered : false", "x_inside ? covered : true"),
     "nothing is covered": lambda c: c.replace("bool covered = true;", "bool covered = false;"),
-    "margins of the far edge": lambda c: c.replace("margin[i] = held_share", "margin[i] = share"),
+    "margins of the far edge": lambda c: c.replace("margin[i] = margin_x", "margin[i] = x_share"),
 }  # fmt: skip
 
 
@@ -178,7 +178,7 @@ def exit_code_of_checker(folder: Path, controller: stt.Controller, source: str, 
         (folder / file).write_text(text)
         certificate["sha256"][file] = hashlib.sha256(text.encode()).hexdigest()
     (folder / f"{name}.certificate.json").write_text(json.dumps(certificate))
-    return check_alone(
+    return check_files(
         [str(p) for p in (ROOT / "tasks" / f"{name}.toml", folder / f"{name}.c", folder / f"{name}.certificate.json")]
     )
 

@@ -26,9 +26,6 @@ from stt_codegen.controller.integers.constants import build_integer_law
 from stt_codegen.controller.integers.fixed_program import fixed_program
 from stt_codegen.controller.integers.integer_kernels import (
     HALF_WORD,
-    build_integer_segment_kernel,
-    build_rate_weights_kernel,
-    build_weights_kernel,
     choose_clock,
     choose_rate_scale,
 )
@@ -88,8 +85,8 @@ def with_changed_argument(kernel: Kernel, name: str, value: int) -> Kernel:
 @pytest.mark.parametrize(
     ("kernel", "name", "value", "message"),
     [
-        ("edge", "q1_6", 20000, "q1_6: *may be|q1_6 may be"),  # beyond 32 bits
-        ("weights", "after", 10, "not of 16 bits"),  # a factor of 18 bits
+        ("edge_at", "six_q1", 20000, "six_q1: *may be|six_q1 may be"),  # beyond 32 bits
+        ("weights", "last_weight", 10, "not of 16 bits"),  # a factor of 18 bits
         ("segment", "share", 0x1FFFF, "not within 16 bits"),
         ("segment", "share", 0xFFFE, "is no mask"),
         ("segment", "segment", 9, r"coefficients\[.*\] of"),  # beyond its table
@@ -122,7 +119,7 @@ def without_clamp(program: Program, name: str) -> Program:
     return replace(program, functions=tuple(unclamped if f.name == "control" else f for f in program.functions))
 
 
-@pytest.mark.parametrize("name", ["x_near", "x_i", "off_held", "y_near", "e_width", "down"])
+@pytest.mark.parametrize("name", ["x_raised", "x_i", "offset_limited", "y_raised", "safe_width", "shift"])
 def test_without_one_of_these_clamps_a_value_may_exceed_its_type(name: str) -> None:
     with pytest.raises(OutOfRange):
         ranges(without_clamp(limited_controller("omni_s2").program, name), "control")
@@ -132,10 +129,10 @@ def test_without_one_of_these_clamps_a_value_has_another_meaning() -> None:
     """The clamp of y keeps it below 1, so that its row is one of H; the clamp of e keeps |e| within e_max."""
     program, rows = limited_controller("omni_s2").program, len(curves.reciprocal_pieces())
     law = build_integer_law(limited_controller("omni_s2").task, design_of("omni_s2"))
-    for name, row_is_of_h, e_is_clamped in (("", True, True), ("y", False, True), ("e", True, False)):
+    for name, row_is_of_h, e_is_clamped in (("", True, True), ("y_limited", False, True), ("e_limited", True, False)):
         spans = ranges(without_clamp(program, name) if name else program, "control")
-        assert (spans["rise_row"].low >= rows) == row_is_of_h
-        assert (spans["e"].high <= law.largest_e) == e_is_clamped
+        assert (spans["y_row"].low >= rows) == row_is_of_h
+        assert (spans["e_limited"].high <= law.largest_e) == e_is_clamped
 
 
 # ------------------------------------------------------------------------------------------------ the same in C and Python
@@ -362,40 +359,6 @@ def test_the_rise_has_the_steepness_that_the_error_of_the_law_assumes() -> None:
         abs(float(curves.curve_h(Fraction(v))) / (4 * math.log((2 - v) / v) / ((1 - v) * v * (2 - v))) - 1) < 1e-12
         for v in (0.01, 0.5, 0.9)
     )
-
-
-@pytest.mark.parametrize("name", ["omni_s2", "courier", "crane"])
-def test_the_spline_time_of_a_tick_is_within_its_error(name: str) -> None:
-    task, design = limited_controller(name).task, design_of(name)
-    period = task.emit.tick_period or Fraction(1)
-    clock = choose_clock(design, period)
-    kernel = build_integer_segment_kernel(clock, design)
-    ticks = np.arange(0, clock.end_tick + 3, dtype=np.int64)
-    first_entries, shares = integer_errors.evaluate_kernel(kernel, {"tick": ticks})
-    bound = integer_errors.segment_position_error(clock)
-    for tick, entry, share in zip(ticks.tolist(), first_entries.tolist(), shares.tolist(), strict=True):
-        exact_time = min(Fraction(tick) * period * design.segments / design.prescribed_time, Fraction(design.segments))
-        assert abs(Fraction(entry, 2 * design.dimension) + Fraction(share, HALF_WORD) - exact_time) <= bound
-
-
-def test_rates_are_the_slopes_of_the_weights() -> None:
-    """The outer weights are (1 - s)^3 and s^3, the middle one is 3 s + 3 s^2 - 2 s^3; rates are in segments a second."""
-    design = design_of("crane")
-    per_second = Fraction(design.segments) / design.prescribed_time
-    rate = integer_errors.choose_rate_scale(design)
-    s = np.arange(0, HALF_WORD, 64, dtype=np.int64)
-    computed = integer_errors.evaluate_kernel(build_rate_weights_kernel(rate), {"s": s})
-    x = s / HALF_WORD
-    exact_rates = [3 * (1 - x) ** 2, 3 + 6 * x - 6 * x**2, 3 * x**2]
-    bound = float(integer_errors.rate_weight_error(rate, per_second))
-    error = sum(
-        np.abs(w * 2.0**-rate.weight_bits - exact * float(per_second)) for w, exact in zip(computed, exact_rates, strict=True)
-    )
-    assert error.max() <= bound  # type: ignore[union-attr]
-    w0, w1, w2 = (w.astype(float) for w in integer_errors.evaluate_kernel(build_weights_kernel(), {"s": s}))
-    assert np.abs(w0 * 2.0**-15 - (1 - x) ** 3).max() <= 2.0**-15
-    assert np.abs(w1 * 2.0**-14 - (3 * x + 3 * x**2 - 2 * x**3)).max() <= 2.0**-14
-    assert np.abs(w2 * 2.0**-15 - x**3).max() <= 2.0**-15
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

@@ -18,8 +18,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stt_codegen as stt
-from stt_codegen.certify import checker
 from stt_codegen.certify.filtered_findings import distance_errors, filtered_width_slack, input_slack, start_slack
+from stt_codegen.checker import check_files
 from stt_codegen.compare.comparison import compare
 from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges
@@ -187,7 +187,7 @@ def test_starts_are_certified_up_to_their_stated_speed() -> None:
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_the_checker_accepts_what_is_certified(name: str, tmp_path: Path) -> None:
-    assert checker.main(write_for_checker(controller_of_case(name), name, tmp_path)) == 0
+    assert check_files(write_for_checker(controller_of_case(name), name, tmp_path)) == 0
 
 
 @pytest.mark.parametrize("name", ["plain", "limited", "sampled"])
@@ -200,7 +200,6 @@ def test_the_checker_refuses_a_changed_certificate_or_c(name: str, tmp_path: Pat
         {"filter": wrong_filter},
         {"filter": proof["filter"][:1]},
         {"rate_error": [v - 1 for v in proof["rate_error"]]},
-        {"rate_error": [v + 99 for v in proof["rate_error"]]},
         {"claims": [c for c in proof["claims"] if c.get("order") != 2]},
     ]
     for k, claim in enumerate(proof["claims"]):
@@ -213,10 +212,10 @@ def test_the_checker_refuses_a_changed_certificate_or_c(name: str, tmp_path: Pat
             for field in ("rho", "u", "shift")
         ]
     for change in changes:
-        assert checker.main(write_for_checker(controller, name, tmp_path, **change)) == 1, change
-    assert "checker: NO" in capsys.readouterr().out
+        assert check_files(write_for_checker(controller, name, tmp_path, **change)) == 1, change
+    assert "checker: refused" in capsys.readouterr().out
     source = (tmp_path / "omni_s2.c").read_text()
-    for old, new in (("v_i - lower_rate", "v_i - upper_rate"), ("* filter_i", "* x_i"), ("v[j", "x[j")):
+    for old, new in (("v_i - lower_rate", "v_i - upper_rate"), ("* filter_i", "* x_i"), ("v[k]", "x[k]")):
         assert old in source
         write_for_checker(controller, name, tmp_path)
         (tmp_path / "omni_s2.c").write_text(source.replace(old, new, 1))
@@ -224,7 +223,7 @@ def test_the_checker_refuses_a_changed_certificate_or_c(name: str, tmp_path: Pat
         signed = json.loads(proof_path.read_text())
         signed["sha256"]["omni_s2.c"] = hashlib.sha256((tmp_path / "omni_s2.c").read_bytes()).hexdigest()
         proof_path.write_text(json.dumps(signed))
-        assert checker.main([str(tmp_path / "task.toml"), str(tmp_path / "omni_s2.c"), str(proof_path)]) == 1, old
+        assert check_files([str(tmp_path / "task.toml"), str(tmp_path / "omni_s2.c"), str(proof_path)]) == 1, old
 
 
 def test_a_changed_table_is_certified_only_if_samples_agree() -> None:
@@ -276,6 +275,13 @@ def test_u_is_finite_for_every_bit_pattern(bits: tuple[int, ...]) -> None:
     assert np.isnan(margin[0]) if is_bad else -1 <= margin[0] <= 0.5
     if status[0] == 0:
         assert margin[0] > 0
+    (margins,) = backend.call("margins", np.array([t]), np.array([state[:2]]), np.array([state[2:]]))
+    for i, value in enumerate(margins[0]):  # a NaN of v alone is seen too
+        component = [t, state[i], state[2 + i]]
+        if np.isnan(component).any() or np.isinf(t):
+            assert np.isnan(value)
+        elif np.isfinite(component).all():
+            assert -1 <= value <= 0.5
 
 
 @cache

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.compiled import FLAGS
 from stt_codegen.loop.simulate import Loop, Scenario
@@ -201,7 +201,7 @@ def test_the_checker_refuses_a_changed_guard(name: str, outside: str, tmp_path: 
     for file, data in files.items():
         (tmp_path / file).write_bytes(data)
     arguments = [str(tmp_path / f) for f in ("task.toml", f"{name}.c", f"{name}.certificate.json")]
-    assert checker.main(arguments) == 0
+    assert check_files(arguments) == 0
     capsys.readouterr()
     plain = (tmp_path / f"{name}_guard.c").read_text()
     code = [k for k, line in enumerate(plain.splitlines()) if re.search(r"[=!]|return", line) and "/*" not in line]
@@ -213,5 +213,5 @@ def test_the_checker_refuses_a_changed_guard(name: str, outside: str, tmp_path: 
         proof = json.loads(files[f"{name}.certificate.json"])
         proof["sha256"][f"{name}_guard.c"] = hashlib.sha256((tmp_path / f"{name}_guard.c").read_bytes()).hexdigest()
         (tmp_path / f"{name}.certificate.json").write_text(json.dumps(proof))
-        assert checker.main(arguments) == 1
+        assert check_files(arguments) == 1
         assert "guard" in capsys.readouterr().out

@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks.suites.families import FAMILIES, arena_task
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
 from stt_codegen.cli.main import app
 from stt_codegen.design.spline_tubes.dimension_programs import PACE_TOLERANCE
 from stt_codegen.design.spline_tubes.slowest_tube import smoothest_tube
@@ -46,7 +46,7 @@ def exit_code_of_checker(controller: EmittedController, task: Task, folder: Path
         "task.toml": re.sub(r"(?m)^\[tube\]\n", "[tube]\n" + "".join(lines), text).encode(),
     }.items():
         (folder / name).write_bytes(data)
-    return checker.main([str(folder / n) for n in ("task.toml", "omni_s2.c", "omni_s2.certificate.json")])
+    return check_files([str(folder / n) for n in ("task.toml", "omni_s2.c", "omni_s2.certificate.json")])
 
 
 # ------------------------------------------------------------------------------------------------ smooth tubes

@@ -14,8 +14,9 @@ from pathlib import Path
 import pytest
 
 from stt_codegen import api
-from stt_codegen.certify import checker, rounding_allowance
+from stt_codegen.certify import rounding_allowance
 from stt_codegen.certify.rounding_allowance import COVERED_SHARE, needed_allowance_factor
+from stt_codegen.checker import check_files
 from stt_codegen.cli.design_commands.design import design as command
 from stt_codegen.controller.edge_errors import edge_error_of_design
 from stt_codegen.controller.integers import integer_errors
@@ -137,7 +138,7 @@ def test_the_stand_alone_checker_accepts_it(kind: str, tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(data)
     (tmp_path / "task.toml").write_text(KINDS[kind])
     name = build_once(kind).task.name
-    assert checker.main([str(tmp_path / file) for file in ("task.toml", f"{name}.c", f"{name}.certificate.json")]) == 0
+    assert check_files([str(tmp_path / file) for file in ("task.toml", f"{name}.c", f"{name}.certificate.json")]) == 0
 
 
 def test_the_command_line_designs_the_same_tube(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

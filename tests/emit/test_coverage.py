@@ -26,19 +26,25 @@ SPECIAL_VALUES = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e30, -1e30)
 # Branches that saturate integers for the proof of 32 bits, although the certificate excludes the values:
 CRANE, GANTRY = "crane/refined/fixed", "gantry/refined/fixed"
 NEVER_TAKEN = {
-    "crane_leading: if (rest < 0x8000U) { rest <<= 16; places = 16; }": (CRANE,),  # of a width that is certified to be larger
-    "gantry_leading: if (rest < 0x8000U) { rest <<= 16; places = 16; }": (GANTRY,),
-    "crane_rates: const int32_t less_most = less_most_under ? less_held : 67108864;": (CRANE,),  # s - s^2 is 1/4 at no tick
-    "crane_control: const int32_t e_width = e_width_over ? room : 65536;": (CRANE,),  # certified to be wider, here and below
-    "crane_control: const int32_t y = y_under ? y_near : 1073741823;": (CRANE,),  # y is 1 at no rounded width
-    "gantry_control: const int32_t e_width = e_width_over ? room : 131072;": (GANTRY,),
-    "gantry_control: const int32_t down = down_over ? down_all : 0;": (GANTRY,),  # u is small beside what narrow tubes make of it
-    "crane_margin: const int32_t share_width = share_width_over ? share_room : 65536;": (CRANE,),
-    "crane_margin: const int32_t place_width = place_width_over ? place_room : 131072;": (CRANE,),
-    "gantry_margin: const int32_t share_width = share_width_over ? share_room : 131072;": (GANTRY,),
-    "crane_margins: const int32_t share_width = share_width_over ? share_room : 65536;": (CRANE,),
-    "crane_margins: const int32_t place_width = place_width_over ? place_room : 131072;": (CRANE,),
-    "gantry_margins: const int32_t share_width = share_width_over ? share_room : 131072;": (GANTRY,),
+    "crane_leading: if (shifted < 0x8000U) { shifted <<= 16; shift = 16; }": (
+        CRANE,
+    ),  # of a width that is certified to be larger
+    "gantry_leading: if (shifted < 0x8000U) { shifted <<= 16; shift = 16; }": (GANTRY,),
+    "crane_rates: const int32_t difference_limited = difference_under ? difference_raised : 67108864;": (
+        CRANE,
+    ),  # 1/4 at no tick
+    "crane_control: const int32_t safe_width = wide ? width : 65536;": (CRANE,),  # certified to be wider, here and below
+    "crane_control: const int32_t y_limited = y_under ? y_raised : 1073741823;": (CRANE,),  # y is 1 at no rounded width
+    "gantry_control: const int32_t safe_width = wide ? width : 131072;": (GANTRY,),
+    "gantry_control: const int32_t shift = shift_over ? shift_any : 0;": (
+        GANTRY,
+    ),  # u is small beside what narrow tubes make of it
+    "crane_margin: const int32_t z_safe_width = z_wide ? z_width : 65536;": (CRANE,),
+    "crane_margin: const int32_t x_safe_width = x_wide ? x_width : 131072;": (CRANE,),
+    "gantry_margin: const int32_t x_safe_width = x_wide ? x_width : 131072;": (GANTRY,),
+    "crane_margins: const int32_t z_safe_width = z_wide ? z_width : 65536;": (CRANE,),
+    "crane_margins: const int32_t x_safe_width = x_wide ? x_width : 131072;": (CRANE,),
+    "gantry_margins: const int32_t x_safe_width = x_wide ? x_width : 131072;": (GANTRY,),
 }
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
 from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
@@ -156,18 +156,18 @@ def test_the_checker_verifies_differences_and_refuses_changed_claims_and_code(tm
     for name, data in files.items():
         (tmp_path / name).write_bytes(data)
     arguments = [str(tmp_path / f) for f in ("task.toml", "drone.c", "drone.certificate.json")]
-    assert checker.main(arguments) == 0
+    assert check_files(arguments) == 0
     proof = json.loads(files["drone.certificate.json"])
     assert proof["sampled"]["period_min"] == "1/100"
     for claim in ({"period_min": "1/200"}, {"shift": [str(Fraction(v) * Fraction(9, 10)) for v in proof["sampled"]["shift"]]}):
         (tmp_path / "drone.certificate.json").write_text(json.dumps({**proof, "sampled": {**proof["sampled"], **claim}}))
-        assert checker.main(arguments) == 1
+        assert check_files(arguments) == 1
     capsys.readouterr()
     (tmp_path / "drone.certificate.json").write_bytes(files["drone.certificate.json"])
     (tmp_path / "drone.c").write_bytes(
         files["drone.c"].replace(b"const drone_real mean = moved / step;", b"const drone_real mean = moved * step;")
     )
-    assert checker.main(arguments) == 1
+    assert check_files(arguments) == 1
 
 
 def description_of(**scenario: Any) -> str:

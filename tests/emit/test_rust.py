@@ -198,7 +198,7 @@ def mutants(text: str) -> list[str]:
 
 
 # Changes without an effect: 0 - 0 is 0, and no tube of this task is as narrow as the guard of the law.
-EQUIVALENT = ("let zeros: Real = zero - x_zero;", "let spare: Real = widened / 0.5;", "let distance: Real = nearest - spare;")
+EQUIVALENT = ("let zeros: Real = zero - x_zero;", "let half: Real = widened / 0.5;", "let safe_distance: Real = distance - half;")
 
 
 @pytest.mark.parametrize("stride", [pytest.param(1, marks=pytest.mark.slow), 8])
@@ -329,7 +329,7 @@ def test_generate_writes_the_crate_and_other_boards_are_refused(tmp_path, monkey
     assert result.exit_code == 0, result.output
     crate = tmp_path / "omni_board"
     assert sorted(p.relative_to(crate).as_posix() for p in crate.rglob("*") if p.is_file()) == [
-        "Cargo.toml", "extras/omni_board.certificate.json", "extras/omni_board.py", "src/lib.rs", "tests/selftest.rs",
+        "Cargo.toml", "extras/checker.pyz", "extras/omni_board.certificate.json", "extras/omni_board.py", "src/lib.rs", "tests/selftest.rs",
     ]  # fmt: skip
     assert (crate / "src" / "lib.rs").read_bytes() == rust_controller("omni_board").files["omni_board.rs"]
     assert "omni_board.rs" not in build_once(task_of("omni_board")).files

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from stt_codegen import reference
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
 from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.emit.selftest import selftest_suites
@@ -81,19 +81,19 @@ def test_every_correct_build_passes(text: str, design: str, more: str, scalar: s
     [
         (TASK, ("? (-0.5F) : 0.5F", "? 0.5F : 0.5F")),
         (TASK, ("? (-0.5F) : 0.5F", "? (-0.501F) : 0.5F")),
-        (TASK, ("room * 0.005F", "room * 0.006F")),
-        (TASK, ("const bool within = 0.0F < nearest", "const bool within = -1.0F < nearest")),
+        (TASK, ("width * 0.005F", "width * 0.006F")),
+        (TASK, ("const bool inside = 0.0F < distance", "const bool inside = -1.0F < distance")),
         (TASK, ("logf(v0)", "log2f(v0)")),
         (ORDER_TWO, ("? (-0.5F) : 0.5F", "? (-0.501F) : 0.5F")),
-        (ORDER_TWO, ("room3 * 0.005F", "room3 * 0.006F")),
-        (ORDER_TWO, ("inside = within && between", "inside = within")),
-        (ORDER_TWO, ("inside = within && between", "inside = between")),
-        (ORDER_TWO, ("between = over && under", "between = over")),
-        (ORDER_TWO, ("between = over && under", "between = under")),
+        (ORDER_TWO, ("z_width * 0.005F", "z_width * 0.006F")),
+        (ORDER_TWO, ("inside = z_inside && x_inside", "inside = z_inside")),
+        (ORDER_TWO, ("inside = z_inside && x_inside", "inside = x_inside")),
+        (ORDER_TWO, ("x_inside = x_above && x_below", "x_inside = x_above")),
+        (ORDER_TWO, ("x_inside = x_above && x_below", "x_inside = x_below")),
         (ORDER_TWO, ("to_lower * 1.2F", "to_lower * 1.205F")),
         (ORDER_TWO, ("to_upper * 1.2F", "to_upper * 1.205F")),
-        (ORDER_TWO, ("room * 1.2F", "room * 1.205F")),
-        (ORDER_TWO, ("to_lower2 + filtered2", "to_lower2 - filtered2")),
+        (ORDER_TWO, ("width * 1.2F", "width * 1.205F")),
+        (ORDER_TWO, ("v_to_lower + lower_part", "v_to_lower - lower_part")),
         (ORDER_TWO, ("lower_slope * 3.5555556F", "lower_slope * 3.58F")),
         (ORDER_TWO, ("upper_slope * 3.5555556F", "upper_slope * 3.58F")),
         (ORDER_TWO, ("upper_rate - v_i", "upper_rate - x_i")),
@@ -208,7 +208,7 @@ def test_the_checker_verifies_files_with_a_self_test_of_order_2(tmp_path) -> Non
     controller = selftested(ORDER_TWO)
     for name, data in {**controller.files, "task.toml": f"{ORDER_TWO}\n[emit]\nselftest = true\n".encode()}.items():
         (tmp_path / name).write_bytes(data)
-    assert checker.main([str(tmp_path / f) for f in ("task.toml", "omni_s2.c", "omni_s2.certificate.json")]) == 0
+    assert check_files([str(tmp_path / f) for f in ("task.toml", "omni_s2.c", "omni_s2.certificate.json")]) == 0
 
 
 @pytest.mark.parametrize("limit", ["0.3", "3.0", "1000.0"])

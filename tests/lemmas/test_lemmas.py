@@ -35,7 +35,7 @@ from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube
 from stt_codegen.plants import Plant
 from stt_codegen.program.analyse import exact_logarithm as enclosed
 from stt_codegen.program.convert.from_casadi import lower
-from stt_codegen.program.nodes import Assign, For, Load, Op, Return, Select, Status, Var, integer, real
+from stt_codegen.program.nodes import Assign, Call, For, Load, Op, Return, Select, Status, Var, integer, real
 from stt_codegen.program.operations import BOOL, INT, REAL
 from stt_codegen.program.symbolic.paths import follow
 from stt_codegen.program.targets.python.printer import PythonPrinter
@@ -345,7 +345,7 @@ def with_function(case: str, function: str, change: Callable[[Any], Any]) -> dic
 
 def never_outside(statement: Any) -> Any:
     """Make the status OK outside the tube."""
-    is_target = isinstance(statement, Assign) and statement.var.name == "outside_any" and isinstance(statement.value, Select)
+    is_target = isinstance(statement, Assign) and statement.var.name == "outside_next" and isinstance(statement.value, Select)
     return replace(statement, value=replace(statement.value, otherwise=statement.value.then)) if is_target else statement
 
 
@@ -356,9 +356,9 @@ def with_the_first_limit(statement: Any) -> Any:
 
 
 def with_a_lower_coefficient(statement: Any) -> Any:
-    """Compute the upper edge from a coefficient of the lower edge."""
-    is_target = isinstance(statement, Assign) and statement.var.name == "upper_q3"
-    return replace(statement, value=Load("coefficients", Var("lower_3", INT))) if is_target else statement
+    """Compute the upper edge from the coefficients of the lower edge."""
+    is_target = isinstance(statement, Call) and statement.results[0].name == "upper_edge"
+    return replace(statement, args=(Var("lower_at", INT), *statement.args[1:])) if is_target else statement
 
 
 def without_step_clamp(statement: Any) -> Any:
@@ -398,7 +398,7 @@ def test_a_branch_that_no_point_takes_leaves_its_lemma_open(monkeypatch: Any) ->
     def _is_gain(s: Any) -> bool:
         return isinstance(s, Assign) and s.var.name == "gain" and isinstance(s.value, Select)
 
-    wrong = with_function("wide", "control", change)["wide"]
+    wrong = with_function("limited", "control", change)["limited"]
     condition = (
         Assign(Var("after", BOOL), Op("lt", (real(Fraction(7)), t))),
         Assign(Var("before", BOOL), Op("lt", (t, real(Fraction("7.05"))))),
@@ -410,8 +410,8 @@ def test_a_branch_that_no_point_takes_leaves_its_lemma_open(monkeypatch: Any) ->
         wrong.program, functions=tuple(wrong_control if f.name == "control" else f for f in wrong.program.functions)
     )
     assert not any(7 < time < 7.05 for time in functions.TIMES)
-    monkeypatch.setattr(functions, "cases", lambda: {**examples.cases(), "wide": replace(wrong, program=program)})
-    outcome = lemma("functions.wide_control").run()
+    monkeypatch.setattr(functions, "cases", lambda: {**examples.cases(), "limited": replace(wrong, program=program)})
+    outcome = lemma("functions.control_limited").run()
     assert outcome.verdict is Verdict.OPEN
     assert "lt 7 t is no comparison of the frame" in outcome.evidence
 
@@ -419,14 +419,14 @@ def test_a_branch_that_no_point_takes_leaves_its_lemma_open(monkeypatch: Any) ->
 @pytest.mark.parametrize(
     ("name", "function", "change"),
     [
-        ("wide_tube_rate", "tube_rate", with_threshold("moving", 1, Fraction("8.95"))),
-        ("wide_control", "control", with_threshold("within", 0, Fraction("0.0001"))),
+        ("tube_rate", "tube_rate", with_threshold("moving", 1, Fraction("8.95"))),
+        ("control_limited", "control", with_threshold("inside", 0, Fraction("0.0001"))),
         ("transform", "transform", with_threshold("wide", 0, Fraction(1, 1 << 10))),
         ("transform", "transform", with_threshold("filled", 0, Fraction(1, 1 << 23))),
-        ("wide_control", "control", never_outside),
-        ("wide_control", "control", with_the_first_limit),
-        ("narrow_tube", "tube", with_a_lower_coefficient),
-        ("narrow_margin", "margin", with_a_lower_coefficient),
+        ("control_limited", "control", never_outside),
+        ("control_limited", "control", with_the_first_limit),
+        ("tube", "tube", with_a_lower_coefficient),
+        ("margin", "margin", with_a_lower_coefficient),
         ("alpha_step", "alpha_step", without_step_clamp),
         ("adaptive_tube", "tube", with_alpha_of_the_lower_edge),
         ("adaptive_control", "control", never_outside),
@@ -440,7 +440,7 @@ def test_a_wrong_frame_leaves_its_lemma_open(name: str, function: str, change: C
     assert lemma(f"functions.{name}").run().verdict is Verdict.OPEN
 
 
-@pytest.mark.parametrize("name", ["wide", "narrow", "adaptive"])
+@pytest.mark.parametrize("name", ["limited", "unlimited", "adaptive"])
 def test_a_followed_function_gives_what_the_emitted_python_gives(name: str) -> None:
     """Following a function at a point computes the same numbers as the printed Python, to the last bit."""
     case = examples.cases()[name]

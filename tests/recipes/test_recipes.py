@@ -29,6 +29,7 @@ from tests.support.recipes import (
 )
 
 TARGETS = "stt_codegen/program/targets"
+CHECKER = "stt_codegen/checker/stt_checker"
 SET = Sample(
     "A set",
     files="set",
@@ -68,35 +69,26 @@ def corners_of_cut_box''',
                 '    "radius": UnsafeBall,\n    "middle": UnsafeDiamond,\n    "reach": UnsafeDiamond,\n',
             ),
         ],
-        "stt_codegen/certify/checker.py": [
+        f"{CHECKER}/task.py": [('offsets centre segment radius"\n', 'offsets centre segment radius middle reach"\n')],
+        f"{CHECKER}/sets.py": [
+            ('{"vertices"}, {"normals", "offsets"},', '{"middle", "reach"}, {"vertices"}, {"normals", "offsets"},'),
+            ("FORMS[1:4])", "FORMS[1:5])"),
             (
-                '"unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius"',
-                '"unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius middle reach"',
-            ),
-            (
-                '"region": "name any_of axes lower upper vertices normals offsets centre segment radius"',
-                '"region": "name any_of axes lower upper vertices normals offsets centre segment radius middle reach"',
-            ),
-            ('"segment radius")  # of an unsafe set', '"segment radius", "middle reach")  # of an unsafe set'),
-            (
-                '    elif form == "vertices":\n        points = _vectors(table["vertices"], d)\n    else:\n',
-                """    elif form == "vertices":
-        points = _vectors(table["vertices"], d)
-    elif form == "middle reach":
-        middle_, reach = _each(table["middle"], d), _number(table["reach"])
-        points = [[v + s * reach * (k == i) for k, v in enumerate(middle_)] for i in range(d) for s in (-1, 1)]
-    else:
+                '        if "centre" in table:\n',
+                """        if "middle" in table:
+            middle, reach = numbers(table["middle"], d), number(table["reach"])
+            for signs in itertools.product((Fraction(-1), Fraction(1)), repeat=d):
+                listed.append((list(signs), dot(signs, middle) + reach))
+        if "centre" in table:
 """,
             ),
-            ('vertices normals offsets"\nFAN', 'vertices normals offsets middle reach"\nFAN'),
             (
-                '    if "centre" in table:\n        centre, radius',
-                """    if "middle" in table:
-        middle, reach = _each(table["middle"], d), _number(table["reach"])
-        for signs in itertools.product((Fraction(-1), Fraction(1)), repeat=d):
-            found.append((list(signs), sum(map(operator.mul, signs, middle), reach)))
-    elif "centre" in table:
-        centre, radius""",
+                '        elif "normals" in form:\n',
+                """        elif "middle" in form:
+            centre, reach = numbers(table["middle"], d), number(table["reach"])
+            corners = [[v + s * reach * (k == i) for k, v in enumerate(centre)] for i in range(d) for s in (-1, 1)]
+        elif "normals" in form:
+""",
             ),
         ],
         "stt_codegen/theorem/controller_theorem.py": [
@@ -149,10 +141,8 @@ LANGUAGE = Sample(
             ("import c, python, rust", "import c, javascript, python, rust"),
             ("python.TARGET, rust.TARGET)", "python.TARGET, rust.TARGET, javascript.TARGET)"),
         ],
-        "stt_codegen/certify/checker.py": [
-            ("tick_period selftest rust", "tick_period selftest rust javascript"),
-            ('UNREAD = (".rs",)', 'UNREAD = (".rs", ".js")'),
-        ],
+        f"{CHECKER}/task.py": [("tick_period selftest rust", "tick_period selftest rust javascript")],
+        f"{CHECKER}/claims.py": [('OTHER_LANGUAGES = (".rs",)', 'OTHER_LANGUAGES = (".rs", ".js")')],
         "stt_codegen/theorem/controller_theorem.py": [('    "emit": "",', '    "emit": "javascript",')],
         "docs/task.md": [("| `rust` | false |", "| `javascript` | false | adds `<p>.js` |\n| `rust` | false |")],
     },
@@ -392,11 +382,11 @@ def test_a_language_is_within_its_bounds_and_changes_no_file_of_other_tasks(copy
     assert "name: 'require' is a reserved word of JavaScript (emit.javascript)" in refused.stderr
 
 
-@pytest.mark.parametrize("path", ["stt_codegen/certify/checker.py", "stt_codegen/theorem/controller_theorem.py"])
+@pytest.mark.parametrize("path", [f"{CHECKER}/task.py", f"{CHECKER}/claims.py", "stt_codegen/theorem/controller_theorem.py"])
 def test_a_language_that_is_missing_in_a_list_is_reported(path: str, tmp_path: Path) -> None:
     copy = copy_of_the_repository(tmp_path)
     follow_recipe(replace(LANGUAGE, edits={name: edits for name, edits in LANGUAGE.edits.items() if name != path}), copy)
-    with pytest.raises(AssertionError, match="javascript"):
+    with pytest.raises(AssertionError, match=r"javascript|\.js"):
         run_pytest_in_copy(copy, "tests/task/test_keys.py")
     assert f"{path}: is named, and nothing is changed there" in mismatches(places_to_change(LANGUAGE.recipe), changed_files(copy))
 

@@ -347,7 +347,7 @@ write_files(Path(sys.argv[2]), files)
 
 @pytest.mark.parametrize("renamed", [0, 1, 2, 3, 4])
 def test_a_run_killed_between_renames_leaves_a_complete_set_or_no_certificate(renamed: int, tmp_path) -> None:
-    from stt_codegen.certify import checker
+    from stt_codegen.checker import check_files
 
     old, new = tmp_path / "old.toml", tmp_path / "new.toml"
     text = (ROOT / "tasks" / "empty.toml").read_text()
@@ -358,14 +358,14 @@ def test_a_run_killed_between_renames_leaves_a_complete_set_or_no_certificate(re
     run = subprocess.run([sys.executable, "-c", WRITE_AND_EXIT, str(new), str(out), str(renamed)], check=False)
     assert run.returncode == (9 if renamed < 4 else 0)
     is_verified = [
-        checker.main([str(task), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0 for task in (old, new)
+        check_files([str(task), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0 for task in (old, new)
     ]
     assert is_verified == [False, renamed == 4]
     assert (out / "empty.certificate.json").exists() == (renamed == 4)
     assert bool(list(out.glob(".*"))) == (renamed < 4)
     write_files(out, build_once(load_task(new)).files)
     assert not list(out.glob(".*"))  # the next write removes temporary files
-    assert checker.main([str(new), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0
+    assert check_files([str(new), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0
 
 
 def test_a_recorded_file_that_the_tool_does_not_write_is_reported(recorded) -> None:

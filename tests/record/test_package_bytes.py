@@ -30,16 +30,17 @@ KINDS = {
 
 
 def package_files(name: str, kind: str) -> Iterator[tuple[str, bytes]]:
-    """Yield name and contents of each file of a package; of a unit those of its members that no compiler made."""
+    """Yield name and contents of each file of a package; of a unit those of its members that no compiler made.
+
+    The checker is left out: its bytes are those of the program (tests/certify/test_checker_archive.py)."""
     controller = controller_of(name, "fixed" if name == "crane" else "float")
     for file, data in package(controller, kind).items():
-        if not file.endswith(".fmu"):
+        if file.endswith(".fmu"):
+            with zipfile.ZipFile(io.BytesIO(data)) as unit:
+                members = [member for member in unit.namelist() if not member.startswith(("binaries/", "resources/checker"))]
+                yield from ((f"{file}/{member}", unit.read(member)) for member in members)
+        elif not file.endswith("/extras/checker.pyz"):
             yield file, data
-            continue
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            for member in archive.namelist():
-                if not member.startswith("binaries/"):
-                    yield f"{file}/{member}", archive.read(member)
 
 
 def digests(name: str) -> dict[str, str]:

@@ -142,7 +142,7 @@ def test_evidence_reports_checks_as_they_ended(tool: Any, monkeypatch: pytest.Mo
 
     for name in ("gcc", "clang", "cppcheck"):
         tool(name)
-    assert "yes: omni_s2: P1 to P7 hold" in report_html("plain")
+    assert "verified: omni_s2: P1 to P7 hold" in report_html("plain")
     controller = controller_of_kind("plain")
     text = controller.files["omni_s2.c"]
     mutation = b"least = room * 0.005F", b"least = room * 0.006F"

@@ -94,6 +94,13 @@ class Module:
     reads: Reads | None = None
     imports: dict[str, str] = field(default_factory=dict)
     definitions: dict[str, int] = field(default_factory=dict)
+    is_package: bool = False  # whether it is the __init__.py of a folder
+
+    def imported_from(self, node: ast.ImportFrom) -> str:
+        """Return the full name of the module that a statement imports from."""
+        steps = self.name.split(".")
+        folder = steps[: len(steps) - node.level + self.is_package] if node.level else []
+        return ".".join([*folder, *([node.module] if node.module else [])])
 
     def __post_init__(self) -> None:
         for node in statements(self.tree):
@@ -102,7 +109,7 @@ class Module:
                     top = a.name.split(".")[0]
                     self.imports[a.asname or top] = a.name if a.asname else top
             elif isinstance(node, ast.ImportFrom):
-                self.imports |= {a.asname or a.name: f"{node.module}.{a.name}" for a in node.names}
+                self.imports |= {a.asname or a.name: f"{self.imported_from(node)}.{a.name}" for a in node.names}
         for statement in self.tree.body:
             self.definitions |= dict.fromkeys(names_bound(statement), statement.lineno)
 
@@ -228,7 +235,7 @@ class UseCensus:
         for node in statements(module.tree):
             if isinstance(node, ast.ImportFrom) and node not in passed_on:
                 for a in node.names:
-                    self.use(f"{node.module}.{a.name}")
+                    self.use(f"{module.imported_from(node)}.{a.name}")
 
     def use(self, fullname: str) -> None:
         """Count a use of a name, under the face that it is imported from and under its definition."""

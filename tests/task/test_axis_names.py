@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import EmittedController, build_task
@@ -44,7 +44,7 @@ def test_names_change_comments_and_the_digest_alone(named_controller: EmittedCon
     text = text_with_axes.replace("prescribed_time", 'units = ["m", "m", "rad"]\nprescribed_time', 1)
     for name, data in {**named_controller.files, "task.toml": text.encode()}.items():
         (tmp_path / name).write_bytes(data)
-    assert checker.main([str(tmp_path / n) for n in ("task.toml", "omni_heading.c", "omni_heading.certificate.json")]) == 0
+    assert check_files([str(tmp_path / n) for n in ("task.toml", "omni_heading.c", "omni_heading.certificate.json")]) == 0
 
 
 def test_messages_name_the_axis(named_controller: EmittedController) -> None:

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 from typer.testing import CliRunner
 
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build
@@ -143,8 +143,8 @@ def test_a_task_with_a_map_is_certified_and_checked(kind: str, tmp_path: Path) -
     for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
     paths = [str(tmp_path / n) for n in ("hall.task.toml", "hall.c", "hall.certificate.json")]
-    assert checker.main(paths) == 0
-    assert checker.main([str(tmp_path / "hall.toml"), *paths[1:]]) == 2  # the checker reads no maps
+    assert check_files(paths) == 0
+    assert check_files([str(tmp_path / "hall.toml"), *paths[1:]]) == 2  # the checker reads no maps
     expanded = load_task(tmp_path / "hall.task.toml")
     assert (expanded.digest, expanded.obstacles) == (controller.task.digest, controller.task.obstacles)
     assert "hall.task.toml" not in build(tmp_path / "hall.task.toml").files

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 from benchmarks import rooms
 from benchmarks.oracles.rooms import ListedRoom, contains_box, corners_of, partition_fault, room_from_numbers, times_outside
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build
 from stt_codegen.record.check import check
@@ -112,8 +112,8 @@ def test_the_outline_of_an_ell_is_certified_and_checked_and_its_tube_is_in_it(tm
     for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
     paths = [str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]
-    assert checker.main(paths) == 0
-    assert checker.main([str(tmp_path / "ell.toml"), *paths[1:]]) == 2  # the checker reads no outlines
+    assert check_files(paths) == 0
+    assert check_files([str(tmp_path / "ell.toml"), *paths[1:]]) == 2  # the checker reads no outlines
     expanded = load_task(tmp_path / "ell.task.toml")
     assert (expanded.digest, expanded.obstacles) == (controller.task.digest, controller.task.obstacles)
     assert [s.name for s in expanded.unsafe] == ["box", "wall1"]
@@ -153,7 +153,7 @@ def test_a_room_on_two_of_three_axes_with_a_body_is_certified(tmp_path: Path) ->
     assert times_outside(listed_room_of(SOLID), controller.design, (2, 0), body, clearance=Fraction("0.05")) == []
     for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
-    assert checker.main([str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]) == 0
+    assert check_files([str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]) == 0
 
 
 def test_a_map_and_an_outline_can_be_combined(tmp_path: Path) -> None:
@@ -168,7 +168,7 @@ def test_a_map_and_an_outline_can_be_combined(tmp_path: Path) -> None:
     for name, data in controller.files.items():
         (tmp_path / name).write_bytes(data)
     assert load_task(tmp_path / "ell.task.toml").digest == controller.task.digest
-    assert checker.main([str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]) == 0
+    assert check_files([str(tmp_path / n) for n in ("ell.task.toml", "ell.c", "ell.certificate.json")]) == 0
 
 
 def test_a_closing_corner_and_corners_on_a_side_do_no_harm() -> None:

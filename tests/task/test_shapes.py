@@ -18,7 +18,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from stt_codegen.certify import checker
+from stt_codegen.checker import check_files
+from stt_codegen.checker.stt_checker.exact import Unusable
+from stt_codegen.checker.stt_checker.sets import FORMS, Inside
+from stt_codegen.checker.stt_checker.task import Task as CheckedTask
+from stt_codegen.checker.stt_checker.task import refuse_unknown_keys
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, SttError
 from stt_codegen.loop.compiled import LoopResult, LoopSetting, driver
@@ -82,7 +86,7 @@ def checker_exit_code(text: str, files: dict[str, bytes], folder: Path) -> int:
     name = next(n for n in files if n.endswith(".c")).removesuffix(".c")
     for file, data in {**files, "task.toml": text.encode()}.items():
         (folder / file).write_bytes(data)
-    return checker.main([str(folder / n) for n in ("task.toml", f"{name}.c", f"{name}.certificate.json")])
+    return check_files([str(folder / n) for n in ("task.toml", f"{name}.c", f"{name}.certificate.json")])
 
 
 # ------------------------------------------------------------------------------------------------------------- the oracle
@@ -234,15 +238,15 @@ def test_the_checker_refuses_a_region_of_any_form_that_the_tube_never_meets(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The files are of a tube that visits a box, and the task has another region. The digest agrees, so that it cannot be the reason."""
-    assert {*REGIONS, *UNVISITED} == set(checker.FORMS)
+    assert {frozenset(form.split()) for form in (*REGIONS, *UNVISITED)} == set(map(frozenset, FORMS))
     controller = build_once(parse_task(mission_in("lower = [2, 2]\nupper = [3, 3]")))
-    load = checker.Task.__init__
+    load = CheckedTask.__init__
 
-    def load_with_digest(task: checker.Task, data: bytes) -> None:
+    def load_with_digest(task: CheckedTask, data: bytes) -> None:
         load(task, data)
         task.digest = controller.task.digest
 
-    monkeypatch.setattr(checker.Task, "__init__", load_with_digest)
+    monkeypatch.setattr(CheckedTask, "__init__", load_with_digest)
     verdicts = {
         form: tuple(checker_exit_code(mission_in(region), controller.files, tmp_path) for region in regions)
         for form, regions in {**REGIONS, **UNVISITED}.items()
@@ -251,9 +255,12 @@ def test_the_checker_refuses_a_region_of_any_form_that_the_tube_never_meets(
 
 
 def test_the_checker_refuses_a_region_with_fields_that_it_does_not_read() -> None:
-    """Otherwise its list of half-spaces would be empty, and every point would satisfy it."""
-    with pytest.raises(checker.Unusable, match="by 'corner'"):
-        checker._cuts({"name": "dock", "corner": [2, 3]}, ["x", "y"])
+    """Otherwise its list of half-spaces would be empty, and every point would satisfy it: a set without any is refused, too."""
+    region = {"name": "dock", "corner": [2, 3]}
+    with pytest.raises(Unusable, match="'corner'"):
+        refuse_unknown_keys({"region": [region]})
+    with pytest.raises(Unusable, match="without a half-space"):
+        Inside(region, ["x", "y"], [Fraction(0)] * 2)
 
 
 @pytest.mark.slow

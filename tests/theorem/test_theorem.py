@@ -16,15 +16,18 @@ from typing import Any
 
 import pytest
 
-from stt_codegen.certify import checker
+from stt_codegen.certify.multipliers import multipliers_in
+from stt_codegen.checker.stt_checker.sets import euclidean_norm
+from stt_codegen.checker.stt_checker.task import Task
 from stt_codegen.errors import BadInput
+from stt_codegen.task.load import load_task
 from stt_codegen.theorem import coq
 from stt_codegen.theorem.controller_theorem import coq_string
 from stt_codegen.theorem.facts import Facts
 from stt_codegen.theorem.reading import Unread, read_facts
 from stt_codegen.theorem.text import theorem_text
 from stt_codegen.theorem.tube_theorem import coq_list, coq_rational, tube_theorem_text
-from stt_codegen.theorem.unsafe_sets import half_space_multipliers, is_box, read_sets
+from stt_codegen.theorem.unsafe_sets import is_box, sets_of
 from tests.support.command_line import run_command
 from tests.support.controllers import ROOT
 from tests.theorem.test_controller_theorem import HALL_TASK
@@ -145,31 +148,35 @@ def test_generate_refuses_a_task_without_a_theorem(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_sets_have_the_same_support_as_those_of_the_checker() -> None:
-    """Both read the text of the task by themselves. For half-spaces the bound that their multipliers give is exact."""
-    task = checker.Task(HALL_TASK.encode())
-    sets = read_sets(HALL_TASK.encode(), task)
+def test_sets_reach_as_far_as_those_of_the_checker_and_of_the_design(tmp_path: Path) -> None:
+    """Along many normals, by the formulas of proof/Sets.v, of the checker and of the tool. Half-spaces have the file's numbers."""
+    path = tmp_path / "hall.toml"
+    path.write_text(HALL_TASK)
+    checked_task, task = Task(HALL_TASK.encode()), load_task(path)
+    sets = sets_of(checked_task)
+    assert sets.space == tuple(tuple(map(Fraction, edge)) for edge in (("0.1", "0.1", "0.05"), ("4.9", "4.9", "1.95")))
+    assert sets.walls == tuple(
+        (tuple(map(Fraction, normal)), Fraction(b) - dot(map(abs, map(Fraction, normal)), checked_task.body))
+        for normal, b in (((1, "0.75", 0), "8.5"), ((-1, -2, 0), "-0.5"))
+    )
+    assert sets.goals == (((Fraction(1), Fraction(1), Fraction("0.5")), Fraction("9.9")),)
     assert [bool(s.points) + 2 * bool(s.half_spaces) + 4 * is_box(s) for s in sets.unsafe] == [1, 1, 2, 4, 1]
-    for (_, (points, half, axes, radius)), shape in zip(task.unsafe, sets.unsafe, strict=True):
-        assert (shape.radius, *(shape.axes if radius else ())) == (radius, *(axes if radius else ()))
+    for j, (obstacle, shape) in enumerate(zip(checked_task.unsafe, sets.unsafe, strict=True)):
+        assert (shape.radius, shape.axes) == (obstacle.radius, tuple(obstacle.axes))
+        multipliers_of = multipliers_in(task, task.stated_set(j))
         for normal in itertools.product((-3, -1, 0, 2), repeat=3):
-            checker_support = max(map(partial(dot, normal), points)) + dot(map(abs, normal), half)
+            shares, axes_normal = multipliers_of(normal) or (), [normal[i] for i in shape.axes]
             support = dot(normal, [shape.box_about_points[c > 0][i] for i, c in enumerate(normal)])
+            support += shape.radius * euclidean_norm(axes_normal)
             if shape.half_spaces:
-                shares = half_space_multipliers(shape, normal)
                 rest = [c - dot(shares, [face[i] for face, _ in shape.half_spaces]) for i, c in enumerate(normal)]
                 support += dot(shares, [o for _, o in shape.half_spaces]) + dot(
                     rest, [shape.core_box[c > 0][i] for i, c in enumerate(rest)]
                 )
-                assert min(shares) >= 0
             elif shape.points:
                 support += max(map(partial(dot, normal), shape.points))
-            assert support == checker_support
-    for half_spaces, checker_half_spaces in ((sets.walls, task.walls), (sets.goals, task.goals)):
-        assert len(half_spaces) == len(checker_half_spaces) > 0
-        for (face, offset), (normal, bound) in zip(half_spaces, checker_half_spaces, strict=True):
-            lead = next(i for i, c in enumerate(normal) if c)
-            assert [c * normal[lead] / face[lead] for c in (*face, offset)] == [*normal, bound]
+            assert support == obstacle.largest_height(list(normal), shares)
+            assert support == task.obstacles[j].support(normal)
 
 
 def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
@@ -256,8 +263,8 @@ def test_coq_takes_the_conditions_of_a_task_as_the_checker_does(tool: Callable[[
     lemmas = []
     for plant, control, share in itertools.product(PLANTS, CONTROLS, ("share = 0.8", "")):
         text = f"{before.replace('share = 0.9 ', f'{share} ')}[control]\n{control}\n{plant}\n"
-        task = checker.Task(text.encode())
-        force, low, high, cross = zip(*(checker.bounds(task, i) for i in range(task.n)), strict=True)
+        task = Task(text.encode())
+        force, low, high, cross = zip(*(task.bounds(i) for i in range(task.n)), strict=True)
         assert task.period is not None
         numbers = (task.period, task.latency, task.share, (task.plant["noise"] or [Fraction(0)])[0])
         expected = " ".join([*map(coq_rational, numbers), *map(coq_list, (force, low, high, cross))])
@@ -282,6 +289,10 @@ MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), pattern, replaceme
     ("omni_s1", 1, rb"= 3\.0F \* v4;", b"= 2.0F * v4;", "statements"),
     ("omni_s1", 1, rb"= 3\.0F \* v4;", b"= 3.5F * v4;", "which is not whole"),
     ("omni_s1", 1, rb"= v2 \+ v5;", b"= v2 - v5;", "statements"),
+    ("omni_s1", 1, rb"at_2 = at \+ 8;", b"at_2 = at + 4;", "`edge_at` of the C has '4' where the listing has '8'"),
+    ("omni_s1", 1, rb"= omni_s1_coefficients\[at_1\]", b"= omni_s1_coefficients[at]", "`edge_at` of the C has 'at'"),
+    ("omni_s1", 1, rb"return v6;", b"return v5;", "another value than its last"),
+    ("omni_s1", 1, rb"segment \* 4;", b"segment * 2;", "`segment` of the C has '2'"),
     ("omni_s1", 1, rb"\*w1 = v7;", b"*w1 = v9;", "statements"),
     ("omni_s1", 0, rb"prescribed_time = 9\.0", b"prescribed_time = 9.1", "rounding_checked"),
     ("omni_s1", 0, rb"clearance = 0\.03", b"clearance = 0.04", "tube_checked"),
@@ -340,4 +351,4 @@ def test_the_command_also_runs_the_checker_for_code_that_coq_does_not_read(tmp_p
     proof.write_text(json.dumps(document))
     result = run_command("theorem", "tasks/omni_s1.toml", str(source), "--json")
     assert result.returncode == 1
-    assert "checker: NO" in json.loads(result.stdout)["what"]
+    assert "checker: refused: omni_s1.c has" in json.loads(result.stdout)["what"]

@@ -20,7 +20,7 @@ def certify(
     import contextlib
     import io
 
-    from stt_codegen.certify.checker import main as check_files
+    from stt_codegen.checker import check_files
     from stt_codegen.errors import BadInput
 
     verdict, problem = io.StringIO(), io.StringIO()

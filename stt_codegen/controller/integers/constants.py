@@ -21,9 +21,8 @@ from stt_codegen.task import Task
 SMALLEST_LAW_WIDTH = 256  # units of x: the law takes a narrower tube to be so wide
 WIDTH_ERROR_LIMIT = 64  # units of x: the arithmetic changes the width by at most so much, of a tube whose width matters
 FIXED_ONE = 1 << 30  # the number 1 in the units 2^-30 of e and y
-SMALLEST_PRODUCT = (
-    FIXED_ONE >> 4
-)  # over |e|: the product that `push` shifts is above it, as H > 0.43 2^16, and r and the gain > 0.49 2^16
+# Over |e|: the product that the kernel `input_size` shifts is above it, as H > 0.43 2^16, and r and the gain > 0.49 2^16.
+SMALLEST_PRODUCT = FIXED_ONE >> 4
 RECIPROCAL_ERROR_LIMIT = Fraction(1, 1 << 13)  # a relative error that 1/width does not reach
 
 
@@ -78,7 +77,7 @@ class IntegerLaw:
     def u_bits(self) -> int:
         """The largest number of bits of u's fraction with which |u| below u_max is computed without an upward shift.
 
-        `push` only shifts its product down. A product that would have to be shifted up must therefore be beyond u_max already.
+        The kernel `input_size` only shifts its product down. So a product that would have to be shifted up must be beyond u_max.
         Raises `BadInput` where some u_max then has fewer than 20 bits."""
         width_shift = 31 - self.smallest_width.bit_length()  # of the narrowest tube
         largest_bits = 30 - math.ceil(math.log2(max(self.u_max)))
@@ -101,7 +100,7 @@ class IntegerLaw:
 
     @cached_property
     def gain_mantissas(self) -> tuple[int, ...]:
-        """By component, the gain's mantissa of 16 bits, which `push` multiplies by."""
+        """By component, the gain's mantissa of 16 bits, which the kernel `input_size` multiplies by."""
         return tuple(self._split_gain(abs(k), self.u_bits)[0] for k in self.gain)
 
     @property
@@ -110,10 +109,10 @@ class IntegerLaw:
         return tuple(self._shift_offset(k, self.u_bits) for k in self.gain)
 
     def _shift_offset(self, gain: Fraction, u_bits: int) -> int:
-        """Return the offset in the number of bits, offset - n - h_shift, by which `push` shifts its product down to units of u.
+        """Return the offset in the number of bits, offset - n - h_shift, by which |u| is shifted down to units of u.
 
         It is 30 + h_shift_base + 46 - 48 - exponent of the gain: e is in 2^-30, H = h 2^(h_shift - h_shift_base),
-        1/width = r 2^(n - 46) for a width shifted up by n bits, and the three products of `push` drop 48 bits."""
+        1/width = r 2^(n - 46) for a width shifted up by n bits, and three products drop 48 bits."""
         return 28 + self.h_shift_base - self._split_gain(abs(gain), u_bits)[1]
 
     @cached_property
@@ -159,15 +158,25 @@ def build_law_tables(law: IntegerLaw) -> tuple[Table, ...]:
     pieces = (*reciprocals, *h_pieces(law.octaves))
     doc = (
         f"Quadratics level - (slope - bend t) t, by row: {len(reciprocals)} for 1/d, d in [2^30, 2^31), then",
-        f"{1 << H_PIECE_BITS} for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)), which also moves up, by:",
+        f"{1 << H_PIECE_BITS} for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)).",
     )
     n = len(law.gain)
     return (
         integer_table("levels", tuple(piece.level for piece in pieces), 1, *doc),
         integer_table("slopes", tuple(piece.slope for piece in pieces), 1),
         integer_table("bends", tuple(piece.bend for piece in pieces), 1),
-        integer_table("places", (*(0 for _ in reciprocals), *law.h_shifts), 1),
+        integer_table(
+            "h_shifts",
+            (*(0 for _ in reciprocals), *law.h_shifts),
+            1,
+            "By row: H is its quadratic times 2 to this power, and a common one.",
+        ),
         integer_table("gains", law.gain_mantissas, n, "By component: the gain, 16 bits of it."),
-        integer_table("offsets", law.shift_offsets, n, "By how many places less u moves up."),
+        integer_table(
+            "shift_offsets",
+            law.shift_offsets,
+            n,
+            "The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row.",
+        ),
         integer_table("limits", law.u_limits, n, "The largest |u|."),
     )

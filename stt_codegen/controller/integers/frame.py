@@ -1,7 +1,7 @@
 """The functions of a refined controller in integers, at a tick, for plants of order 1.
 
 The state x and the tube's edges count units of 2^-bits, those of the table; time counts ticks; u counts units of 2^-u_bits. Every
-value is an integer of 32 bits. Operations are exact but for what `ishr` and `upper` drop, which round down; so results are
+value is an integer of 32 bits. Operations are exact but for what `ishr` and `high_product` drop, which round down; so results are
 the same on every board. `program.analyse.ranges` proves that no value leaves 32 bits.
 
 fixed_program.py calls `IntegerController.functions`. Functions named `write_..` append statements to a block of a Program and
@@ -25,14 +25,14 @@ from stt_codegen.controller.integers.integer_statements import (
     LARGEST_STATE,
     MARGIN_BITS,
     StateDistances,
+    write_clamped_component,
     write_distances_of,
     write_input_size,
     write_margin_of,
     write_width,
 )
-from stt_codegen.controller.kernels import write_first_index
+from stt_codegen.controller.kernels import write_edge_indices
 from stt_codegen.decimals import by_component, decimal
-from stt_codegen.designs import UPPER
 from stt_codegen.program import (
     FALSE,
     INT,
@@ -110,21 +110,20 @@ class IntegerController:
         """Write statements for the outputs of the edge kernel for component i: of the lower edge, then of the upper one.
 
         Each is (edge,), or (edge, rate) for order 2."""
-        lower_index = write_first_index(block, row, i)
-        upper_index = block.op("at_upper", "iadd", lower_index, integer(UPPER))
         names = [tuple(f"{side}_{output}" for output in self.edge_kernel.output_names) for side in ("lower", "upper")]
-        indices_and_names = zip((lower_index, upper_index), names, strict=True)
+        indices_and_names = zip(write_edge_indices(block, row, i), names, strict=True)
         return tuple(block.call(self.edge_kernel, index, *weights, names=outputs) for index, outputs in indices_and_names)
 
     def write_distances(self, block: Block, i: Var, edges: tuple[tuple[Var, ...], ...]) -> StateDistances:
         """Write statements for the distances of component i to these edges, as `write_edges` returns them."""
         (lower,), (upper,) = edges
-        distances = write_distances_of(block, "x", i, (lower, upper), LARGEST_STATE)
+        x = write_clamped_component(block, "x", i, LARGEST_STATE)
+        distances = write_distances_of(block, "", x, (lower, upper))
         return StateDistances(distances, distances)
 
     def write_is_inside(self, block: Block, offset: Var, width: Var, _distances: StateDistances) -> Var:
         """Write statements for whether the state is inside. offset: |e| times the width, before any clamp."""
-        return block.op("within", "ilt", offset, width)
+        return block.op("inside", "ilt", offset, width)
 
     def build_tube(self) -> Function:
         """Build `tube`: the edges gamma (n,) at a tick."""
@@ -145,13 +144,13 @@ class IntegerController:
         with block.loop("i", self.n) as loop:
             i, is_outside = loop.index, loop.carry("outside", FALSE)
             distances = self.write_distances(block, i, self.write_edges(block, row, i, weights))
-            width = write_width(block, "room", distances.of_law)
+            width = write_width(block, "width", distances.of_law)
             size, is_upper_nearer, offset = write_input_size(block, self.law, i, width, distances.of_law)
-            negative_size = block.op("back", "ineg", size)
+            negative_size = block.op("size_minus", "ineg", size)
             u_at_upper, u_at_lower = (negative_size, size) if is_gain_positive else (size, negative_size)
             block.store("u", i, block.select("u_i", is_upper_nearer, u_at_upper, u_at_lower))
             is_inside = self.write_is_inside(block, offset, width, distances)
-            loop.update(is_outside, block.select("outside_any", is_inside, is_outside, TRUE))
+            loop.update(is_outside, block.select("outside_next", is_inside, is_outside, TRUE))
         block.leave(Select(is_outside, OUTSIDE, OK))
         params = (TICK_PARAM, *self.state_params(), _integers("u", self.n, output=True))
         return Function("control", params, tuple(block.statements), returns_status=True, doc=self.control_doc(task))
@@ -186,11 +185,11 @@ class IntegerController:
     def write_margin(self, block: Block, i: Var, row: Operand, weights: tuple[Var, ...]) -> Var:
         """Write statements for the margin of component i; for order 2 the smaller one of x and of v + lambda x."""
         distances = self.write_distances(block, i, self.write_edges(block, row, i, weights))
-        law_margin = write_margin_of(block, "share", self.law.smallest_width, distances.of_law)
         if distances.of_x == distances.of_law:
-            return law_margin
-        x_margin = write_margin_of(block, "place", self.smallest_width, distances.of_x)
-        return block.select("lesser", block.op("filtered_less", "ilt", law_margin, x_margin), law_margin, x_margin)
+            return write_margin_of(block, "x", self.law.smallest_width, distances.of_law)
+        z_margin = write_margin_of(block, "z", self.law.smallest_width, distances.of_law)
+        x_margin = write_margin_of(block, "x", self.smallest_width, distances.of_x)
+        return block.select("smaller", block.op("z_smaller", "ilt", z_margin, x_margin), z_margin, x_margin)
 
     def build_margins(self) -> Function:
         """Build `margins`: the margin by component (n,), in 2^-MARGIN_BITS."""

@@ -59,10 +59,10 @@ class IntegerLambdaFilter:
         """Write statements for lambda of component i, in 2^-bits."""
         return block.let("filter_i", Load("filters", i, INT))
 
-    def write_product(self, block: Block, name: str, value: Var, lambda_: Operand) -> Var:
-        """Write statements for lambda times a value, rounded down; lambda in 2^-bits."""
-        shifted = value if self.bits == 16 else block.op(f"{name}_more", "imul", value, integer(1 << (16 - self.bits)))
-        return block.op(name, "upper", shifted, lambda_)
+    def write_product(self, block: Block, label: str, value: Var, lambda_: Operand) -> Var:
+        """Write statements for lambda times a value, rounded down, called <label>_part; lambda in 2^-bits."""
+        shifted = value if self.bits == 16 else block.op(f"{label}_scaled", "imul", value, integer(1 << (16 - self.bits)))
+        return block.op(f"{label}_part", "high_product", shifted, lambda_)
 
 
 @dataclass(frozen=True)
@@ -99,12 +99,14 @@ class InertialIntegerController(IntegerController):
     def write_distances(self, block: Block, i: Var, edges: tuple[tuple[Var, ...], ...]) -> StateDistances:
         """Write statements for the distances of v + lambda x to the filtered edges, and of x to its edges."""
         (lower, lower_rate), (upper, upper_rate) = edges
-        of_x = write_distances_of(block, "x", i, (lower, upper), LARGEST_POSITION)
-        of_v = write_distances_of(block, "v", i, (lower_rate, upper_rate), LARGEST_STATE)
+        x = write_clamped_component(block, "x", i, LARGEST_POSITION)
+        of_x = write_distances_of(block, "", x, (lower, upper))
+        v = write_clamped_component(block, "v", i, LARGEST_STATE)
+        of_v = write_distances_of(block, "v_", v, (lower_rate, upper_rate))
         lambda_ = self.filter.write_component(block, i)
         to_lower, to_upper = (
-            block.op(f"to_{side}", "iadd", v, self.filter.write_product(block, f"{side}_filtered", x, lambda_))
-            for side, v, x in zip(("lower", "upper"), of_v, of_x, strict=True)
+            block.op(f"z_to_{side}", "iadd", to_rate, self.filter.write_product(block, side, to_edge, lambda_))
+            for side, to_rate, to_edge in zip(("lower", "upper"), of_v, of_x, strict=True)
         )
         return StateDistances(Distances(to_lower, to_upper), of_x)
 
@@ -112,17 +114,17 @@ class InertialIntegerController(IntegerController):
         """Write statements for whether component i of x and of v + lambda x are those of a covered start."""
         x = write_clamped_component(block, "x", i, LARGEST_POSITION)
         v = write_clamped_component(block, "v", i, LARGEST_STATE)
-        z = block.op("z", "iadd", v, self.filter.write_product(block, "filtered", x, self.filter.write_component(block, i)))
+        z = block.op("z_i", "iadd", v, self.filter.write_product(block, "x", x, self.filter.write_component(block, i)))
         is_x_covered = write_is_between_bounds(block, x, i, BOUND_TABLES[:2])
         is_z_covered = write_is_between_bounds(block, z, i, BOUND_TABLES[2:])
         return block.op("inside", "and", is_x_covered, is_z_covered)
 
     def write_is_inside(self, block: Block, offset: Var, width: Var, distances: StateDistances) -> Var:
         """Write statements for whether v + lambda x and x are inside their tubes. offset, width: of v + lambda x."""
-        is_z_inside = super().write_is_inside(block, offset, width, distances)
-        is_above = block.op("over", "ilt", integer(0), distances.of_x.to_lower)
-        is_below = block.op("under", "ilt", integer(0), distances.of_x.to_upper)
-        return block.op("inside", "and", is_z_inside, block.op("between", "and", is_above, is_below))
+        is_z_inside = block.op("z_inside", "ilt", offset, width)
+        is_above = block.op("x_above", "ilt", integer(0), distances.of_x.to_lower)
+        is_below = block.op("x_below", "ilt", integer(0), distances.of_x.to_upper)
+        return block.op("inside", "and", is_z_inside, block.op("x_inside", "and", is_above, is_below))
 
     def build_filtered_tube(self) -> Function:
         """Build `filtered_tube`: the edges of the filtered tube (n,) at a tick, in units of x per second."""
@@ -132,8 +134,8 @@ class InertialIntegerController(IntegerController):
             lambda_ = self.filter.write_component(block, loop.index)
             edges_and_rates = self.write_edges(block, row, loop.index, weights)
             for name, (edge, rate) in zip(("lower", "upper"), edges_and_rates, strict=True):
-                product = self.filter.write_product(block, f"{name}_filtered", edge, lambda_)
-                block.store(name, loop.index, block.op(f"{name}_z", "iadd", rate, product))
+                product = self.filter.write_product(block, name, edge, lambda_)
+                block.store(name, loop.index, block.op(f"z_{name}", "iadd", rate, product))
         block.leave()
         doc = (
             "Edges of the filtered tube at a tick, in units a second: of v + lambda x,",

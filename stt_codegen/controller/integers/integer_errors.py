@@ -1,15 +1,20 @@
-"""Exact bounds on the errors of a controller in integers, from its kernels: of its edges (P7), and of its law against (13).
+"""Exact bounds on the errors of a controller in integers: of its edges (P7), and of its law against (13).
 
 *Edges.* The position of a tick is wrong by the roundings of the length of a tick and of its multiple, and by the bits that s
-lacks. s has 2^16 values, so the errors of the weights are computed for all of them. A step times its weight is exact, and two
-sums of these products are rounded down.
+lacks. The kernel of the weights is the same in every controller, and s has 2^16 values; so the error of the weights is constant:
+WEIGHT_ERROR. A step times its weight is exact, and two sums of these products are rounded down. The checker computes the same
+bounds (checker/stt_checker/integers.py), because no claim may be a unit smaller than its bound. Tests derive WEIGHT_ERROR and the
+bound of `rate_weight_error` from the kernels, for every s.
+
+*Rates.* The powers of s that rates need are cut to 2^-28, and the number of segments in a second to a mantissa of 16 bits; each
+product of both is rounded down, and then to the nearest unit of a weight.
 
 *Law.* |u| = k/d |e| H(1 - |e|). Let the computed 1/d be (1 + a)/d with |a| <= A, and the computed H be (1 + b) H with |b| <= B
 (curves.py). Then e and y have the factor 1 + a too, and are rounded down to 2^-30. 0 <= -y H'/H <= 3/2, for H = 8
 (atanh(e)/e)/(1 - e^2): (1 - e) times the slope of the logarithm of 1/(1 - e^2) is 2 e/(1 + e) <= 1, and of atanh(e)/e it is at
 most e/(1 + e) <= 1/2. So the total power of 1 + a is from 1/2 to 2. The gain's mantissa has 16 bits. The three products of
-`push` are rounded down, each by less than a unit of a product that is at least |e| 2^26; that is less than 64 units of 2^-30 of
-e. The last shift rounds down by less than a unit of u.
+`input_size` are rounded down, each by less than a unit of a product that is at least |e| 2^26; that is less than 64 units of
+2^-30 of e. The last shift rounds down by less than a unit of u.
 
 fixed_program.py refuses a law that is not accurate enough by `require_accurate_law`; ../edge_errors.py returns the bounds of
 edges.
@@ -17,13 +22,9 @@ edges.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
-from functools import cache
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from stt_codegen.controller.integers import curves
 from stt_codegen.controller.integers.constants import (
@@ -35,24 +36,20 @@ from stt_codegen.controller.integers.constants import (
 )
 from stt_codegen.controller.integers.integer_kernels import (
     HALF_WORD,
-    MIDDLE_WEIGHT_BITS,
-    OUTER_WEIGHT_BITS,
     RateScale,
     TickClock,
-    build_rate_weights_kernel,
-    build_weights_kernel,
     choose_clock,
     choose_rate_scale,
 )
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered_edges
 from stt_codegen.errors import BadInput
-from stt_codegen.program import OPERATIONS, Const, Kernel, Op, Operand, Select
 from stt_codegen.program.analyse import logarithm
 from stt_codegen.sampling import ROUNDING
 from stt_codegen.task import Task
 
-Integers = npt.NDArray[np.int64]
+WEIGHT_ERROR = Fraction(17178254800, 1 << 48)  # largest sum for any s: of the outer two weights of an edge, plus the middle one's
+RATE_POWER_ERROR = Fraction(27, 1 << 30)  # 3 times 9/4 of 2^-28: of the powers of s in the weights of a rate, all three together
 SMALLEST_Y_LIMIT = 1 << 14  # units of 2^-30: `smallest_y` is not below, so that y, rounded down by a unit, keeps its accuracy
 
 
@@ -65,62 +62,24 @@ def segment_position_error(clock: TickClock) -> Fraction:
     return unit * clock.end_tick / HALF_WORD / 2 + 2 * unit + s_error
 
 
-def evaluate_kernel(kernel: Kernel, inputs: Mapping[str, Integers]) -> tuple[Integers, ...]:
-    """Evaluate a kernel of integers without tables at arrays of inputs; its values must fit 63 bits."""
-    values: dict[str, Any] = dict(inputs)
-
-    def value_of(operand: Operand) -> Any:
-        return np.int64(operand.value) if isinstance(operand, Const) else values[operand.name]  # type: ignore[arg-type]
-
-    for assign in kernel.body:
-        match assign.value:
-            case Op(name="int", args=(count,)):
-                values[assign.var.name] = value_of(count)
-            case Op(name=name, args=args):
-                values[assign.var.name] = OPERATIONS[name].number(*map(value_of, args))
-            case Select() as choice:
-                condition, then = value_of(choice.condition), value_of(choice.then)
-                values[assign.var.name] = np.where(condition, then, value_of(choice.otherwise))
-            case _:
-                raise NotImplementedError(f"{kernel.name}: {type(assign.value).__name__}")
-    return tuple(value_of(output) for output in kernel.outputs)
-
-
-@cache
-def weight_errors() -> tuple[Fraction, Fraction]:
-    """Return the largest sum of the errors of the two outer weights, and the largest error of the middle one, over all s."""
-    s = np.arange(HALF_WORD, dtype=np.int64)
-    before, middle, after = evaluate_kernel(build_weights_kernel(), {"s": s})
-    s_one = HALF_WORD
-    outer_shift, middle_shift = 48 - OUTER_WEIGHT_BITS, 48 - MIDDLE_WEIGHT_BITS  # to units of 2^-48, those of a cube of s
-    outer_errors = np.abs((before << outer_shift) - (s_one - s) ** 3) + np.abs((after << outer_shift) - s**3)
-    middle_errors = np.abs((middle << middle_shift) - (3 * s * s_one * s_one + 3 * s * s * s_one - 2 * s**3))
-    return Fraction(int(outer_errors.max()), 1 << 48), Fraction(int(middle_errors.max()), 1 << 48)
-
-
 def edge_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:
     """Bound |edge at a tick - gamma(t)| by dimension, in the task's units, for a tick of `period` seconds."""
     largest_steps = np.abs(np.diff(design.integers(), axis=0)).max(axis=(0, 2))
     steepest_slopes = 3 * design.largest_steps().max(axis=0)  # per segment
     position_error = segment_position_error(choose_clock(design, period))
-    weight_error = sum(weight_errors(), Fraction(0))
     slopes_and_steps = zip(steepest_slopes, largest_steps, strict=True)
     # 2 more units: two sums of products are rounded down
-    return tuple((int(slope) * position_error + int(step) * weight_error + 2) * design.unit for slope, step in slopes_and_steps)
+    return tuple((int(slope) * position_error + int(step) * WEIGHT_ERROR + 2) * design.unit for slope, step in slopes_and_steps)
 
 
-@cache
 def rate_weight_error(rate_scale: RateScale, segments_per_second: Fraction) -> Fraction:
-    """Return the largest sum of the errors of the three weights of a rate, in steps a second, over all s."""
-    s = np.arange(HALF_WORD, dtype=np.int64)
-    weights = evaluate_kernel(build_rate_weights_kernel(rate_scale), {"s": s})
-    s_one, s = HALF_WORD, s.astype(object)
-    exact = (3 * (s_one - s) ** 2, 3 * s_one**2 + 6 * s * (s_one - s), 3 * s**2)  # in 2^-32, per segment
-    to_weight_bits = segments_per_second.numerator << rate_scale.weight_bits
-    denominator = segments_per_second.denominator << 32
-    pairs = zip(weights, exact, strict=True)
-    errors = sum(abs(w.astype(object) * denominator - v * to_weight_bits) for w, v in pairs)
-    return Fraction(int(errors.max()), denominator << rate_scale.weight_bits)
+    """Bound the sum of the errors of the three weights of a rate, in steps a second.
+
+    The exact weights are 3 (1 - s)^2, 3 + 6 s (1 - s) and 3 s^2, with the sum 6, times `segments_per_second`. s^2 is cut by at
+    most 9/16 of 2^-28, which makes the three powers wrong by 9/4 of 2^-28 in all."""
+    emitted = rate_scale.mantissa / Fraction(2) ** rate_scale.shift
+    rounding = (Fraction(1, 2) + Fraction(1, 1 << rate_scale.product_shift)) / (1 << rate_scale.weight_bits)
+    return 6 * abs(emitted - segments_per_second) + RATE_POWER_ERROR * emitted + 3 * rounding
 
 
 def rate_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:

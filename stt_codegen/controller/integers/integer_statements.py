@@ -13,7 +13,7 @@ from stt_codegen.controller.integers.constants import FIXED_ONE, IntegerLaw
 from stt_codegen.controller.integers.curves import H_PIECE_BITS, RECIPROCAL_PIECE_BITS
 from stt_codegen.controller.integers.integer_kernels import (
     build_curve_kernel,
-    build_push_kernel,
+    build_input_size_kernel,
     write_at_least,
     write_at_most,
     write_curve_position,
@@ -41,18 +41,18 @@ class StateDistances(NamedTuple):
     of_x: Distances
 
 
-def write_distances_of(block: Block, name: str, i: Var, edges: tuple[Var, Var], largest: int) -> Distances:
-    """Write statements for the distances of component i of an array, clamped to [-largest, largest], to two edges."""
+def write_distances_of(block: Block, label: str, value: Var, edges: tuple[Var, Var]) -> Distances:
+    """Write statements for the distances of a value to two edges. label: what their names begin with, "v_" for v."""
     lower, upper = edges
-    value = write_clamped_component(block, name, i, largest)
-    to_lower = block.op(f"{name}_lower", "isub", value, lower)
-    return Distances(to_lower, block.op(f"{name}_upper", "isub", upper, value))
+    to_lower = block.op(f"{label}to_lower", "isub", value, lower)
+    return Distances(to_lower, block.op(f"{label}to_upper", "isub", upper, value))
 
 
 def write_clamped_component(block: Block, name: str, i: Var, largest: int) -> Var:
     """Write statements for component i of an array, clamped to [-largest, largest]."""
-    value = block.let(f"{name}_all", Load(name, i, INT))
-    return write_at_most(block, f"{name}_i", write_at_least(block, f"{name}_near", value, -largest), integer(largest))
+    value = block.let(f"{name}_any", Load(name, i, INT))
+    raised = write_at_least(block, name, f"{name}_raised", value, -largest)
+    return write_at_most(block, name, f"{name}_i", raised, integer(largest))
 
 
 def write_width(block: Block, name: str, distances: Distances) -> Var:
@@ -71,13 +71,14 @@ class ReciprocalWidth(NamedTuple):
     reciprocal: Var
 
 
-def _write_reciprocal_width(block: Block, name: str, raw_width: Var, smallest_width: int) -> ReciprocalWidth:
-    """Write statements for the reciprocal of a width."""
-    width = write_at_least(block, f"{name}_width", raw_width, smallest_width)
-    shift = block.op(f"{name}_n", "leading", width)
-    shifted_width = block.op(f"{name}_width_up", "ishl", width, shift)
-    row_and_t = write_curve_position(block, f"{name}_over", shifted_width, RECIPROCAL_PIECE_BITS, integer(0))
-    (reciprocal,) = block.call(build_curve_kernel(), *row_and_t, names=(f"{name}_over",))
+def _write_reciprocal_width(block: Block, label: str, raw_width: Var, smallest_width: int) -> ReciprocalWidth:
+    """Write statements for the reciprocal of a width. label: what names of variables begin with, "x_" for the margin of x."""
+    is_wide = block.op(f"{label}wide", "ilt", integer(smallest_width), raw_width)
+    width = block.select(f"{label}safe_width", is_wide, raw_width, integer(smallest_width))
+    shift = block.op(f"{label}width_shift", "leading", width)
+    shifted_width = block.op(f"{label}width_shifted", "ishl", width, shift)
+    row_and_t = write_curve_position(block, f"{label}width", shifted_width, RECIPROCAL_PIECE_BITS, integer(0))
+    (reciprocal,) = block.call(build_curve_kernel(), *row_and_t, names=(f"{label}reciprocal",))
     return ReciprocalWidth(width, shifted_width, shift, reciprocal)
 
 
@@ -85,48 +86,51 @@ def write_input_size(block: Block, law: IntegerLaw, i: Var, raw_width: Var, dist
     """Write statements for |u| of component i, whether the upper edge is nearer, and |to_lower - to_upper|.
 
     The last one is |e| times the width."""
-    difference = block.op("apart", "isub", *distances)
-    over_width = _write_reciprocal_width(block, "e", raw_width, law.smallest_width)
+    difference = block.op("difference", "isub", *distances)
+    over_width = _write_reciprocal_width(block, "", raw_width, law.smallest_width)
     is_upper_nearer = block.op("upper_nearer", "ilt", integer(0), difference)
-    offset = block.select("off", is_upper_nearer, difference, block.op("minus", "ineg", difference))
-    clamped_offset = write_at_most(block, "off_held", offset, over_width.width)
-    shifted_offset = block.op("off_up", "ishl", clamped_offset, over_width.shift)
-    unclamped_e = block.op("e_all", "upper", shifted_offset, over_width.reciprocal)
-    e = write_at_most(block, "e", unclamped_e, integer(law.largest_e))
-    remainder = block.op("rest", "isub", over_width.shifted_width, shifted_offset)
-    unclamped_y = block.op("y_all", "upper", remainder, over_width.reciprocal)
-    y = write_at_most(block, "y", write_at_least(block, "y_near", unclamped_y, law.smallest_y), integer(FIXED_ONE - 1))
-    row, h = _write_h(block, y)
-    h_shift = block.let("rise_places", Load("places", row, INT))
-    gain, offset_of_shift, limit = (block.let(name, Load(f"{name}s", i, INT)) for name in ("gain", "offset", "limit"))
-    unclamped_shift = block.op("down_all", "isub", block.op("down_n", "isub", offset_of_shift, over_width.shift), h_shift)
-    shift = write_at_least(block, "down", unclamped_shift, 0)
-    (size,) = block.call(build_push_kernel(), e, h, over_width.reciprocal, gain, shift, limit)
+    minus = block.op("difference_minus", "ineg", difference)
+    offset = block.select("offset", is_upper_nearer, difference, minus)
+    clamped_offset = write_at_most(block, "offset", "offset_limited", offset, over_width.width)
+    shifted_offset = block.op("offset_shifted", "ishl", clamped_offset, over_width.shift)
+    unclamped_e = block.op("e_any", "high_product", shifted_offset, over_width.reciprocal)
+    e = write_at_most(block, "e", "e_limited", unclamped_e, integer(law.largest_e))
+    remainder = block.op("remainder", "isub", over_width.shifted_width, shifted_offset)
+    unclamped_y = block.op("y_any", "high_product", remainder, over_width.reciprocal)
+    y_raised = write_at_least(block, "y", "y_raised", unclamped_y, law.smallest_y)
+    row, h = _write_h(block, write_at_most(block, "y", "y_limited", y_raised, integer(FIXED_ONE - 1)))
+    h_shift = block.let("h_shift", Load("h_shifts", row, INT))
+    gain, shift_offset, limit = (block.let(name, Load(f"{name}s", i, INT)) for name in ("gain", "shift_offset", "limit"))
+    without_width = block.op("less_width_shift", "isub", shift_offset, over_width.shift)
+    shift = write_at_least(block, "shift", "shift", block.op("shift_any", "isub", without_width, h_shift), 0)
+    (size,) = block.call(build_input_size_kernel(), e, h, over_width.reciprocal, gain, shift, limit)
     return size, is_upper_nearer, offset
 
 
 def _write_h(block: Block, y: Var) -> tuple[Var, Var]:
     """Write statements for the table row of H at y, in 2^-30, and for H, which has 16 bits."""
-    shift = block.op("m", "leading", y)
-    octave_rows = block.op("octaves", "imul", shift, integer(1 << H_PIECE_BITS))
-    first_row = block.op("octave", "iadd", octave_rows, integer(RECIPROCAL_OCTAVES << H_PIECE_BITS))
-    row, t = write_curve_position(block, "rise", block.op("y_up", "ishl", y, shift), H_PIECE_BITS, first_row)
-    (h,) = block.call(build_curve_kernel(), row, t, names=("rise",))
+    shift = block.op("y_shift", "leading", y)
+    octave_rows = block.op("octave_rows", "imul", shift, integer(1 << H_PIECE_BITS))
+    first_row = block.op("first_row", "iadd", octave_rows, integer(RECIPROCAL_OCTAVES << H_PIECE_BITS))
+    row, t = write_curve_position(block, "y", block.op("y_shifted", "ishl", y, shift), H_PIECE_BITS, first_row)
+    (h,) = block.call(build_curve_kernel(), row, t, names=("h",))
     return row, h
 
 
-def write_margin_of(block: Block, name: str, smallest_width: int, distances: Distances) -> Var:
+def write_margin_of(block: Block, label: str, smallest_width: int, distances: Distances) -> Var:
     """Write statements for the distance to the nearer edge over the width, in 2^-MARGIN_BITS.
 
-    It is at least 0 inside, and from -1 to -2^-MARGIN_BITS outside."""
+    It is at least 0 inside, and from -1 to -2^-MARGIN_BITS outside. label: of what is between the edges, "z" for v + lambda x."""
     to_lower, to_upper = distances
-    over_width = _write_reciprocal_width(block, name, write_width(block, f"{name}_room", distances), smallest_width)
-    nearest = block.select(f"{name}_nearest", block.op(f"{name}_high", "ilt", to_upper, to_lower), to_upper, to_lower)
-    is_inside = block.op(f"{name}_inside", "ilt", integer(0), nearest)
-    size = block.select(f"{name}_size", is_inside, nearest, block.op(f"{name}_beyond", "ineg", nearest))
-    clamped_size = write_at_most(block, f"{name}_held", size, over_width.width)
-    shifted_size = block.op(f"{name}_up", "ishl", clamped_size, over_width.shift)
-    quotient = block.op(f"{name}_quotient", "upper", shifted_size, over_width.reciprocal)  # in 2^-30
-    unclamped = block.op(f"{name}_part", "ishr", quotient, integer(30 - MARGIN_BITS))
-    share = write_at_most(block, f"{name}_most", unclamped, integer(2 * HALF_MARGIN - 1))
-    return block.select(name, is_inside, share, block.op(f"{name}_minus", "isub", integer(-1), share))
+    width = write_width(block, f"{label}_width", distances)
+    over_width = _write_reciprocal_width(block, f"{label}_", width, smallest_width)
+    nearest = block.select(f"{label}_distance", block.op(f"{label}_nearer", "ilt", to_upper, to_lower), to_upper, to_lower)
+    is_inside = block.op(f"{label}_inside", "ilt", integer(0), nearest)
+    size = block.select(f"{label}_size", is_inside, nearest, block.op(f"{label}_distance_minus", "ineg", nearest))
+    clamped_size = write_at_most(block, f"{label}_size", f"{label}_size_limited", size, over_width.width)
+    shifted_size = block.op(f"{label}_size_shifted", "ishl", clamped_size, over_width.shift)
+    quotient = block.op(f"{label}_quotient", "high_product", shifted_size, over_width.reciprocal)  # in 2^-30
+    unclamped = block.op(f"{label}_share_any", "ishr", quotient, integer(30 - MARGIN_BITS))
+    share = write_at_most(block, f"{label}_share", f"{label}_share", unclamped, integer(2 * HALF_MARGIN - 1))
+    minus = block.op(f"{label}_share_minus", "isub", integer(-1), share)
+    return block.select(f"margin_{label}", is_inside, share, minus)

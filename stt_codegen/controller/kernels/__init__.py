@@ -36,9 +36,9 @@ from stt_codegen.controller.kernels.spline import (
     begin_block_at_time,
     build_blending_kernels,
     build_segment_kernel,
-    write_control_points,
     write_edge,
-    write_first_index,
+    write_edge_indices,
+    write_edges,
 )
 
 __all__ = [
@@ -67,9 +67,9 @@ __all__ = [
     "logarithm",
     "write_clamped_alphas",
     "write_clamped_distances",
-    "write_control_points",
     "write_edge",
-    "write_first_index",
+    "write_edge_indices",
+    "write_edges",
     "write_gamma",
     "write_has_non_finite",
     "write_input",

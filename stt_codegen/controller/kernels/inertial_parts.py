@@ -16,9 +16,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from stt_codegen.controller.kernels.edge_distances import ValueBetweenEdges
-from stt_codegen.controller.kernels.spline import SplineKernels, write_control_points, write_first_index
+from stt_codegen.controller.kernels.spline import SplineKernels, write_edge, write_edge_indices, write_edges
 from stt_codegen.decimals import by_component
-from stt_codegen.designs import LOWER, UPPER, RefinedDesign
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.program import Block, Load, Operand, Table, Var, real
 
 
@@ -80,7 +80,7 @@ class FilteredDistances:
 
     def write_raw_width(self, block: Block) -> Var:
         """Write statements for the width of the filtered tube."""
-        return self._write_sum(block, "room", self.of_v.raw_width, self.of_x.raw_width)
+        return self._write_sum(block, "width", self.of_v.raw_width, self.of_x.raw_width)
 
     def write_distances(self, block: Block) -> tuple[Var, Var]:
         """Write statements for the distances of v + lambda x to both edges."""
@@ -90,7 +90,8 @@ class FilteredDistances:
 
     def _write_sum(self, block: Block, name: str, v_distance: Var, x_distance: Var) -> Var:
         """Write statements for v_distance + lambda x_distance."""
-        return block.op(name, "add", v_distance, block.op("filtered", "mul", x_distance, self.lambda_))
+        part = block.op(f"{name.removeprefix('to_')}_part", "mul", x_distance, self.lambda_)
+        return block.op(f"z_{name}", "add", v_distance, part)
 
 
 class SplinePosition(NamedTuple):
@@ -125,13 +126,11 @@ class InertialParts:
 
     def write_edges(self, block: Block, position: SplinePosition, i: Operand) -> EdgesAndRates:
         """Write statements for L, R, L', R' of component i."""
-        first_index = write_first_index(block, position.row, i)
-        edges: list[Var] = []
+        indices = write_edge_indices(block, position.row, i)
+        edges = write_edges(block, self.spline, indices, position.weights)
         rates: list[Var] = []
-        for side, name in ((LOWER, "lower"), (UPPER, "upper")):
-            control_points = write_control_points(block, self.n, first_index, side=side, label=name)
-            edges += block.call(self.spline.blend, *position.weights, *control_points, names=(f"{name}_edge",))
-            (slope,) = block.call(self.spline.blend, *position.slope_weights, *control_points, names=(f"{name}_slope",))
+        for index, name in zip(indices, ("lower", "upper"), strict=True):
+            slope = write_edge(block, self.spline, index, position.slope_weights, f"{name}_slope")
             rates.append(block.op(f"{name}_rate", "mul", slope, real(self.filter.segments_per_second)))
         return EdgesAndRates(*edges, *rates)
 
@@ -140,5 +139,5 @@ class InertialParts:
         edges = self.write_edges(block, position, i)
         x, v = (block.let(f"{name}_i", Load(name, i)) for name in ("x", "v"))
         of_x = ComputedDistances.of(block, ValueBetweenEdges(edges.lower, edges.upper, x))
-        of_v = ComputedDistances.of(block, ValueBetweenEdges(edges.lower_rate, edges.upper_rate, v))
+        of_v = ComputedDistances.of(block, ValueBetweenEdges(edges.lower_rate, edges.upper_rate, v, "v_"))
         return FilteredDistances(of_x, of_v, self.filter.write_component(block, i))

@@ -148,12 +148,12 @@ def _build_kernels() -> tuple[Kernel, Kernel, Kernel]:
     )
 
 
-def _write_clamp(block: Block, name: str, value: Operand, low: Operand, high: Operand) -> Var:
+def _write_clamp(block: Block, label: str, value: Operand, low: Operand, high: Operand) -> Var:
     """Write statements for the value clamped to [low, high]; a NaN becomes `low`, so that no NaN reaches a division."""
-    is_above_low = block.op(f"{name}_above", "lt", low, value)
-    raised = block.select(f"{name}_raised", is_above_low, value, low)
-    is_above_high = block.op(f"{name}_over", "lt", high, raised)
-    return block.select(name, is_above_high, high, raised)
+    is_above_low = block.op(f"{label}_above", "lt", low, value)
+    raised = block.select(f"{label}_raised", is_above_low, value, low)
+    is_above_high = block.op(f"{label}_beyond", "lt", high, raised)
+    return block.select(f"{label}_limited", is_above_high, high, raised)
 
 
 def write_input(block: Block, law: ControlLaw, distances: ClampedDistances, u_max: Operand | None) -> Var:
@@ -161,11 +161,11 @@ def write_input(block: Block, law: ControlLaw, distances: ClampedDistances, u_ma
 
     (13) is odd about the middle of the tube: measured from the upper edge, a and b change places and u its sign."""
     epsilon, xi = block.call(law.transformed_error, distances.clamped_near, distances.clamped_far)
-    (unlimited,) = block.call(law.control_input, distances.gain, xi, epsilon, names=("push",))
-    u = unlimited if distances.is_empty is None else block.select("u_law", distances.is_empty, real(0), unlimited)
+    (unlimited,) = block.call(law.control_input, distances.gain, xi, epsilon, names=("u_i",))
+    u = unlimited if distances.is_empty is None else block.select("u_or_zero", distances.is_empty, real(0), unlimited)
     if u_max is None:
         return u
-    return _write_clamp(block, "u_held", u, block.op("u_min", "neg", u_max), u_max)
+    return _write_clamp(block, "u", u, block.op("u_min", "neg", u_max), u_max)
 
 
 def write_input_scaling(block: Block, law: ControlLaw, n: int) -> None:
@@ -173,16 +173,16 @@ def write_input_scaling(block: Block, law: ControlLaw, n: int) -> None:
     if law.u_max is None or not law.scales_input:
         return
     u_max = real(law.u_max[0])
-    with block.loop("i", n) as loop:
+    with block.loop("p", n) as loop:
         largest = loop.carry("largest", real(0))
-        u = block.let("u_i", Load("u", loop.index))
+        u = block.let("u_p", Load("u", loop.index))
         size = block.select("size", block.op("negative", "lt", u, real(0)), block.op("minus", "neg", u), u)
         loop.update(largest, block.select("larger", block.op("more", "lt", largest, size), size, largest))
     is_beyond = block.op("over", "lt", u_max, largest)
     factor = block.op("factor", "div", u_max, block.select("divisor", is_beyond, largest, u_max))
-    with block.loop("i", n) as loop:
-        scaled = block.op("scaled_u", "mul", block.let("u_law_i", Load("u", loop.index)), factor)
-        block.store("u", loop.index, _write_clamp(block, "u_held", scaled, real(-law.u_max[0]), u_max))
+    with block.loop("r", n) as loop:
+        scaled = block.op("u_scaled", "mul", block.let("u_r", Load("u", loop.index)), factor)
+        block.store("u", loop.index, _write_clamp(block, "u", scaled, real(-law.u_max[0]), u_max))
 
 
 def build_transform(law: ControlLaw, n: int) -> Function:
@@ -213,21 +213,20 @@ def _write_transform_of_component(block: Block, law: ControlLaw, i: Var) -> None
     lower_edge = block.let("lower_edge", Load("lower", i))
     upper_edge = block.let("upper_edge", Load("upper", i))
     x = block.let("x_i", Load("x", i))
-    # With the gain (1, -1) `gain` is the sign that epsilon has: minus where the upper edge is the nearer one.
-    d = write_clamped_distances(
-        block, law.write_clamp_share(block, i), ValueBetweenEdges(lower_edge, upper_edge, x), (real(1), real(-1))
-    )
+    # A gain of 1 and -1 is the sign that epsilon has: minus where the upper edge is the nearer one.
+    x_between_edges = ValueBetweenEdges(lower_edge, upper_edge, x)
+    d = write_clamped_distances(block, law.write_clamp_share(block, i), x_between_edges, (real(1), real(-1)), gain_name="sign")
     a = block.select("a", d.is_upper_nearer, d.clamped_far, d.clamped_near)
     b = block.select("b", d.is_upper_nearer, d.clamped_near, d.clamped_far)
-    (raw_e,) = block.call(law.normalized_error, a, b, d.width, names=("e_raw",))
+    (raw_e,) = block.call(law.normalized_error, a, b, d.width, names=("e_i",))
     e_max, e_min = law.write_signed_e_max(block, i)
-    e = _write_clamp(block, "e_held", raw_e, e_min, e_max)
-    epsilon_from_nearer, xi = block.call(law.transformed_error, d.clamped_near, d.clamped_far, names=("epsilon_near", "xi_i"))
+    e = _write_clamp(block, "e", raw_e, e_min, e_max)
+    epsilon_from_nearer, xi = block.call(law.transformed_error, d.clamped_near, d.clamped_far, names=("epsilon_nearer", "xi_i"))
     epsilon = block.op("epsilon_i", "mul", d.gain, epsilon_from_nearer)
     is_x_finite = block.let("finite_x", IsFinite(x))
-    is_width_finite = block.let("finite_room", IsFinite(d.raw_width))
+    is_width_finite = block.let("finite_width", IsFinite(d.raw_width))
     is_finite = block.op("finite", "and", is_x_finite, is_width_finite)
     assert d.is_empty is not None
     for name, value in (("e", e), ("epsilon", epsilon), ("xi", xi)):
-        zero_if_empty = block.select(f"{name}_settled", d.is_empty, real(0), value)
+        zero_if_empty = block.select(f"{name}_or_zero", d.is_empty, real(0), value)
         block.store(name, i, block.select(f"{name}_out", is_finite, zero_if_empty, NAN))

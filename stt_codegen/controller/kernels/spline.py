@@ -14,28 +14,61 @@ from functools import cache
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.paper import refined_tube
-from stt_codegen.program import NAN, REAL, Block, IsFinite, Kernel, Load, Operand, Trunc, Type, Var, integer, largest_below, real
+from stt_codegen.program import (
+    INT,
+    NAN,
+    REAL,
+    Assign,
+    Block,
+    IsFinite,
+    Kernel,
+    Load,
+    Operand,
+    Trunc,
+    Var,
+    integer,
+    largest_below,
+    real,
+)
 from stt_codegen.program.convert import lower
 
 
 @dataclass(frozen=True)
 class SplineKernels:
-    """The kernels of the refined tube: segment at a time, B-spline weights and their derivatives, and the weighted sum."""
+    """The kernels of the refined tube: segment at a time, B-spline weights and their derivatives, and an edge by the weights."""
 
     segment: Kernel
     basis: Kernel
     basis_rate: Kernel
-    blend: Kernel
+    edge_at: Kernel
 
 
-@cache  # they depend on no task
-def build_blending_kernels() -> tuple[Kernel, Kernel, Kernel]:
-    """Build the kernels `basis`, `basis_rate` and `blend` of SplineKernels."""
+@cache
+def build_blending_kernels(n: int) -> tuple[Kernel, Kernel, Kernel]:
+    """Build the kernels `basis`, `basis_rate` and `edge_at` of SplineKernels, for n dimensions."""
     return (
         lower(refined_tube.basis(), ("6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6.",)),
         lower(refined_tube.basis_rate(), ("Derivative of the weights with respect to s.",)),
-        lower(refined_tube.blend(), ("An edge of the tube (or its slope in spline time): sum of w_j q_j.",)),
+        _build_edge_kernel(n),
     )
+
+
+def _build_edge_kernel(n: int) -> Kernel:
+    """Build the kernel from a table index and the weights to an edge, or to its slope if the weights are derivatives.
+
+    It loads the four control points, one in each of four rows of 2 n entries, and blends them as paper/refined_tube.py says."""
+    blend = lower(refined_tube.blend())
+    at, weights = Var("at", INT), blend.inputs[:4]
+    block = Block({at.name, *(v.name for v in blend.inputs)})
+    for j, point in enumerate(blend.inputs[4:]):
+        index = block.op(f"at_{j}", "iadd", at, integer(2 * n * j)) if j else at
+        block.statements.append(Assign(point, Load("coefficients", index)))
+    doc = (
+        "An edge of the tube (or its slope in spline time): sum of w_j q_j,",
+        "of the control points that stand at `at` and one, two and three rows after it.",
+    )
+    body = (*block.statements, *blend.body)
+    return Kernel("edge_at", (at, *weights), body, blend.outputs, blend.output_names, doc=doc)  # type: ignore[arg-type]
 
 
 def build_segment_kernel(design: RefinedDesign, scalar: str) -> Kernel:
@@ -67,34 +100,23 @@ def build_segment_kernel(design: RefinedDesign, scalar: str) -> Kernel:
     )
 
 
-def write_control_points(
-    block: Block, n: int, first_index: Operand, *, side: int, label: str, number_type: Type = REAL
-) -> list[Var]:
-    """Write statements that load the four control points of an edge: side LOWER or UPPER, of a table with n dimensions.
-
-    first_index: table index of the component's lower edge in the segment's first row; one row is 2 n entries."""
-    control_points = []
-    for j in range(4):
-        offset = 2 * n * j + side
-        index = block.op(f"{label}_{j}", "iadd", first_index, integer(offset)) if offset else first_index
-        control_points.append(block.let(f"{label}_q{j}", Load("coefficients", index, number_type)))
-    return control_points
-
-
-def write_edge(
-    block: Block, spline: SplineKernels, first_index: Operand, weights: tuple[Var, ...], *, n: int, side: int, name: str
-) -> Var:
-    """Write statements for one edge, or for its slope if the weights are derivatives: control points blended by the weights.
-
-    n, side, first_index: as in `write_control_points`. name: of the variable, "lower_edge" for example."""
-    control_points = write_control_points(block, n, first_index, side=side, label=name.split("_", maxsplit=1)[0])
-    (edge,) = block.call(spline.blend, *weights, *control_points, names=(name,))
+def write_edge(block: Block, spline: SplineKernels, index: Var, weights: tuple[Var, ...], name: str) -> Var:
+    """Write statements for one edge, or for its slope if the weights are derivatives. name: of the variable."""
+    (edge,) = block.call(spline.edge_at, index, *weights, names=(name,))
     return edge
 
 
-def write_first_index(block: Block, row: Operand, i: Operand) -> Var:
-    """Write statements for the table index of the lower edge of dimension i in a row."""
-    return block.op("at", "iadd", row, block.op("pair", "imul", i, integer(2)))
+def write_edge_indices(block: Block, row: Operand, i: Operand) -> tuple[Var, Var]:
+    """Write statements for the table indices of both edges of dimension i in a row: lower, upper."""
+    lower_index = block.op("lower_at", "iadd", row, block.op("pair", "imul", i, integer(2)))
+    return lower_index, block.op("upper_at", "iadd", lower_index, integer(1))
+
+
+def write_edges(block: Block, spline: SplineKernels, indices: tuple[Var, Var], weights: tuple[Var, ...]) -> tuple[Var, Var]:
+    """Write statements for both edges of a dimension: lower, upper. indices: from `write_edge_indices`."""
+    lower_index, upper_index = indices
+    lower_edge = write_edge(block, spline, lower_index, weights, "lower_edge")
+    return lower_edge, write_edge(block, spline, upper_index, weights, "upper_edge")
 
 
 def begin_block_at_time(names: set[str], spline: SplineKernels, nan_outputs: tuple[str, ...], n: int) -> tuple[Block, Var, Var]:

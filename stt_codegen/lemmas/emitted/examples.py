@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
@@ -23,9 +23,8 @@ from stt_codegen.task import Task
 
 N, K, T_C, GAIN, E_MAX = 2, 4, Fraction(9), Fraction(1, 2), Fraction(99, 100)
 U_MAX = (Fraction(3, 2), Fraction(40))
-FOLLOWED = frozenset(
-    {"segment", "segment_at_tick", "hold", "normalized_error"}
-)  # kernels that are followed as a part of the function
+# Kernels that are followed as a part of the function.
+FOLLOWED = frozenset({"segment", "segment_at_tick", "edge_at", "hold", "normalized_error"})
 Point = Mapping[str, Any]
 
 
@@ -34,11 +33,15 @@ D = TypeVar("D", bound=Design)
 
 @dataclass(frozen=True)
 class CaseOf(Generic[D]):
-    """A program and its design. guarded: the law raises widths that are below MINIMUM_WIDTH."""
+    """A program and its design."""
 
     program: Program
     design: D
-    guarded: bool = True
+
+    @property
+    def is_guarded(self) -> bool:
+        """Whether the law raises widths that are below MINIMUM_WIDTH; refined tubes are never so narrow."""
+        return self.design.is_stateful
 
     @property
     def opaque(self) -> frozenset[str]:
@@ -96,12 +99,9 @@ def _adaptive() -> Case:
 
 @cache
 def cases() -> Mapping[str, Case]:
-    """Return by name a wide tube, which needs no guard, a narrow one with a guard, empty in places, and an adaptive one."""
-    return {
-        "wide": replace(_refined((300, 320, 280, 400, 500, 350, 300), True), guarded=False),
-        "narrow": _refined((300, 0, 0, 0, 0, -50, 200), False),
-        "adaptive": _adaptive(),
-    }
+    """Return by name a refined tube whose u is limited, the same tube without limits, and an adaptive one."""
+    widths = (300, 320, 280, 400, 500, 350, 300)
+    return {"limited": _refined(widths, True), "unlimited": _refined(widths, False), "adaptive": _adaptive()}
 
 
 T, TICK, DT = sp.Symbol("t", real=True), sp.Symbol("tick", integer=True), sp.Symbol("dt", real=True)

@@ -74,7 +74,7 @@ def _segment_at_tick(case: Case, tick: int) -> tuple[Any, Any, Any]:
 def _edge(j: Any, s: Any, i: int, side: int, basis: str = "basis") -> Any:
     """Return the sum of w_k(s) q[j + k] over four rows of the table, from row j on."""
     weights = [kernel_of(basis, k, s) for k in range(4)]
-    return kernel_of("blend", 0, *weights, *(table_entry("coefficients", 2 * N * (j + k) + 2 * i + side) for k in range(4)))
+    return sum(w * table_entry("coefficients", 2 * N * (j + k) + 2 * i + side) for k, w in enumerate(weights))
 
 
 def tube(case: Case, point: Point) -> Expected:
@@ -171,7 +171,7 @@ def _components(case: Case, point: Point, edges: Edges, clock: str = "t") -> Ite
     outputs = follow(case.program, "tube", arguments, case.opaque).outputs
     for i, (low, high) in enumerate(formulas):
         numbers = (outputs["lower"][i], outputs["upper"][i], point["x"][i])
-        yield regime, _component(low, high, X[i], numbers, case.guarded), numbers
+        yield regime, _component(low, high, X[i], numbers, case.is_guarded), numbers
 
 
 def spline_edges(case: Case, point: Point) -> tuple[Any, list[tuple[Any, Any]]]:

@@ -199,14 +199,15 @@ def _boxes() -> Iterator[Point]:
 
 # By the word of the lemma: the example, the emitted function, and its points.
 SUBJECTS: Mapping[str, tuple[str, str, Callable[[Case], Iterable[Point]]]] = {
-    **{f"{case}_tube": (case, "tube", lambda _: _time_points()) for case in ("wide", "narrow")},
-    **{f"{case}_tube_rate": (case, "tube_rate", lambda _: _time_points()) for case in ("wide", "narrow")},
-    **{f"{case}_control": (case, "control", _spline_points) for case in ("wide", "narrow")},
-    **{f"{case}_margin": (case, "margin", _spline_points) for case in ("wide", "narrow")},
-    **{f"{case}_margins": (case, "margins", _spline_points) for case in ("wide", "narrow")},
-    "covered": ("wide", "covered", _start_points),
-    "control_tick": ("wide", "control_tick", _tick_points),
-    "transform": ("narrow", "transform", lambda _: _boxes()),
+    "tube": ("limited", "tube", lambda _: _time_points()),
+    "tube_rate": ("limited", "tube_rate", lambda _: _time_points()),
+    "control": ("unlimited", "control", _spline_points),
+    "control_limited": ("limited", "control", _spline_points),
+    "margin": ("limited", "margin", _spline_points),
+    "margins": ("limited", "margins", _spline_points),
+    "covered": ("limited", "covered", _start_points),
+    "control_tick": ("limited", "control_tick", _tick_points),
+    "transform": ("limited", "transform", lambda _: _boxes()),
     "alpha_init": ("adaptive", "alpha_init", lambda _: [{}]),
     "alpha_step": ("adaptive", "alpha_step", lambda _: _step_points()),
     "alpha_rate": ("adaptive", "alpha_rate", lambda _: _alpha_points(False)),
@@ -242,32 +243,30 @@ FORMULAS: Mapping[DesignKind, Mapping[str, Specification]] = {"refined": SPLINE,
 
 # The comparisons of every function, by the names of both sides. They decide its path; any other comparison leaves it open.
 _SPLINE_TIME = ("lt 0 t", "lt scaled 4")
-_NEAREST_EDGE = ("lt to_upper to_lower", "lt least nearest", "lt 0 nearest")
-_GUARDED = ("lt 0 room", "lt 9.5367431640625e-07 room", "lt to_upper to_lower", "lt least distance")
-_LIMIT = ("lt u_min push", "lt u_limit u_held_raised")
-_WIDTH_SHARE = ("lt to_upper to_lower", "lt share -1", "lt held_share margin")
+_NEAREST_EDGE = ("lt to_upper to_lower", "lt smallest distance", "lt 0 distance")
+_GUARDED = ("lt 0 width", "lt 9.5367431640625e-07 width", "lt to_upper to_lower", "lt smallest safe_distance")
+_LIMIT = ("lt u_min u_i", "lt u_limit u_raised")
+_WIDTH_SHARE = ("lt to_upper to_lower", "lt x_share -1", "lt margin_x margin")
 _ALPHA = ("lt 0 alpha_low_in", "lt alpha_low_raised 44", "lt 0 alpha_high_in", "lt alpha_high_raised 44")
 _CLAMPED = ("lt 0 t", "lt started t_c", *_ALPHA)
 FRAMES: Mapping[str, Sequence[str]] = {
-    **{f"{case}_tube": ("finite t", *_SPLINE_TIME) for case in ("wide", "narrow")},
-    **{f"{case}_tube_rate": ("finite t", *_SPLINE_TIME, "lt t 9") for case in ("wide", "narrow")},
-    "wide_control": ("le zero 0", *_SPLINE_TIME, *_NEAREST_EDGE, *_LIMIT),
-    "narrow_control": ("le zero 0", *_SPLINE_TIME, *_GUARDED, "lt 0 nearest"),
-    "wide_margin": ("le zero 0", *_SPLINE_TIME, *_WIDTH_SHARE),
-    "narrow_margin": ("le zero 0", *_SPLINE_TIME, "lt 9.5367431640625e-07 room", *_WIDTH_SHARE),
-    "wide_margins": ("finite t", *_SPLINE_TIME, *_WIDTH_SHARE[:2]),
-    "narrow_margins": ("finite t", *_SPLINE_TIME, "lt 9.5367431640625e-07 room", *_WIDTH_SHARE[:2]),
-    "covered": ("lt start_lower_i x_i", "lt x_i start_upper_i"),
+    "tube": ("finite t", *_SPLINE_TIME),
+    "tube_rate": ("finite t", *_SPLINE_TIME, "lt t 9"),
+    "control": ("le zero 0", *_SPLINE_TIME, *_NEAREST_EDGE),
+    "control_limited": ("le zero 0", *_SPLINE_TIME, *_NEAREST_EDGE, *_LIMIT),
+    "margin": ("le zero 0", *_SPLINE_TIME, *_WIDTH_SHARE),
+    "margins": ("finite t", *_SPLINE_TIME, *_WIDTH_SHARE[:2]),
+    "covered": ("lt x_lower x_i", "lt x_i x_upper"),
     "control_tick": ("le zero 0", "tlt tick 9000", "ilt passed 9000", "ilt whole 3", *_NEAREST_EDGE, *_LIMIT),
-    "transform": (*_GUARDED, "lt -0.99 e_raw", "lt 0.99 e_held_raised", "finite x_i", "finite room"),
+    "transform": (*_GUARDED, "lt -0.99 e_i", "lt 0.99 e_raised", "finite x_i", "finite width"),
     "alpha_init": (),
     "alpha_step": ("le zero 0", "lt 0 dt", "lt dt 1048576", *_CLAMPED),
     "alpha_rate": ("le zero 0", *_CLAMPED),
     "adaptive_tube": ("le zero 0", *_CLAMPED),
     "adaptive_tube_rate": ("le zero 0", *_CLAMPED),
-    "adaptive_control": ("le zero2 0", *_CLAMPED, *_GUARDED, "lt 0 nearest"),
-    "adaptive_margin": ("le zero2 0", *_CLAMPED, "lt 9.5367431640625e-07 room", *_WIDTH_SHARE),
-    "adaptive_margins": ("le zero 0", *_CLAMPED, "lt 9.5367431640625e-07 room", *_WIDTH_SHARE[:2]),
+    "adaptive_control": ("le x_zeros 0", *_CLAMPED, *_GUARDED, "lt 0 distance"),
+    "adaptive_margin": ("le x_zeros 0", *_CLAMPED, "lt 9.5367431640625e-07 width", *_WIDTH_SHARE),
+    "adaptive_margins": ("le zero 0", *_CLAMPED, "lt 9.5367431640625e-07 width", *_WIDTH_SHARE[:2]),
 }
 
 
@@ -297,7 +296,7 @@ STATEMENTS = {
     "alpha_step": ("one implicit step of (11) to t + dt, or none", r"\alpha(t+dt)"),
     "alpha_rate": ("(11) and its Jacobian with psi of rho and beta", r"\dot\alpha"),
 }
-KINDS = {"wide": " of a refined tube", "narrow": " of a refined tube that may be empty", "adaptive": " of an adaptive tube"}
+KINDS = {"limited": " with u_max", "adaptive": " of an adaptive tube"}
 
 
 def _lemmas() -> Iterator[Lemma]:

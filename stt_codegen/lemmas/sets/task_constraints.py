@@ -19,7 +19,7 @@ import sympy as sp
 
 from stt_codegen import constraints
 from stt_codegen.certify import slack
-from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
+from stt_codegen.designs import LOWER, NARROWEST_WIDTH, UPPER
 from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.properties import Property
@@ -108,8 +108,8 @@ def _unit_failures(of_edges: dict[Property, Sequence[constraints.Constraint]], r
 
 def _default_failures(task: Any) -> list[str]:
     """Change the task to a smaller width than the package allows, without rates; list constraints that are not those of that."""
-    task.tube, task.max_speed, task.max_acceleration = SimpleNamespace(min_width=MINIMUM_WIDTH / 2), None, None
-    failures = [f"P1: {c.bound}" for c in constraints.width_constraints(task) if c.bound != MINIMUM_WIDTH]
+    task.tube, task.max_speed, task.max_acceleration = SimpleNamespace(min_width=NARROWEST_WIDTH / 2), None, None
+    failures = [f"P1: {c.bound}" for c in constraints.width_constraints(task) if c.bound != NARROWEST_WIDTH]
     has_rates = constraints.speed_constraints(task) or constraints.acceleration_constraints(task)
     return failures + (["P6 without a bound"] if has_rates else [])
 

@@ -249,9 +249,9 @@ def _require_allowed_arguments(name: str, args: Sequence[Span]) -> None:
         raise OutOfRange(f"{name} by {args[1].low} to {args[1].high} places")
     if name == "short" and not args[0].is_within(-(2**15), 2**15):
         raise OutOfRange(f"{args[0].low} to {args[0].high} are not of 16 bits")
-    if name == "low" and (args[1].low != args[1].high or args[1].low & (args[1].low + 1)):
+    if name == "low_bits" and (args[1].low != args[1].high or args[1].low & (args[1].low + 1)):
         raise OutOfRange(f"low: {args[1].low} to {args[1].high} is no mask")
-    if name == "upper" and not args[1].is_within(0, 2**16):
+    if name == "high_product" and not args[1].is_within(0, 2**16):
         raise OutOfRange(f"upper: its second factor may be {args[1].low} to {args[1].high}, not within 16 bits")
     if name in ("leading", "ishl") and args[0].low < (name == "leading"):
         raise OutOfRange(f"{name} of {args[0].low} to {args[0].high}")

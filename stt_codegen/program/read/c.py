@@ -85,6 +85,9 @@ def differences(program: Program, header: str, source: str) -> list[str]:
 _DIRECTIVE = re.compile(
     r'#include ("P\.h"|<(float|math|stdbool|stdint|string)\.h>)$|#error "P\.c: |#endif$'
     r"|#if defined\(__FAST_MATH__\) \|\| \(defined\(__FINITE_MATH_ONLY__\) && \(__FINITE_MATH_ONLY__ > 0\)\)$"
+    r"|#if defined\(__ASSOCIATIVE_MATH__\) \|\| defined\(__RECIPROCAL_MATH__\)$"
+    r"|#if defined\(__clang__\)$|#elif defined\(__GNUC__\)$"
+    r'|#pragma (STDC FP_CONTRACT OFF|clang fp reassociate\(off\)|GCC optimize \("fp-contract=off"\))$'
     r"|#if defined\(FLT_EVAL_METHOD\) && \(FLT_EVAL_METHOD != 0\)( && \(FLT_EVAL_METHOD != 1\))?$"
 )
 
@@ -132,7 +135,11 @@ def _type_declarations(prefix: str, kind: str) -> str:
 
 
 # Helper functions of integer programs by their name in C without the prefix, each with the operation that it is.
-INTEGER_HELPERS = {"down": "ishr", "up": "ishl", "product": "product", "upper": "upper", "low": "low", "leading": "leading"}
+INTEGER_HELPERS = {
+    "shift_down": "ishr",
+    "shift_up": "ishl",
+    **{name: name for name in ("product", "high_product", "low_bits", "leading")},
+}
 
 
 @dataclass

@@ -41,8 +41,8 @@ class TargetLanguage:
     people call it. suffixes: of the files that it emits, in order; `controller<suffix>.j2` in its folder is the template of each.
     printer: made of a Program, it prints the parts that the templates place. words: names that no task, kernel, function
     or variable of a Program can have; words_are: what they are, as the end of a sentence. library: lower-case names of the
-    language's library that a file of a task's name would shadow. globals: names that its files take from the library, so that no
-    part of a Program can have them.
+    language's library that a file of a task's name would shadow. globals: names that its files take from the library, and
+    macros of common headers, so that no part of a Program can have them.
 
     option: the description of its key in [emit], where a task has to ask for it; empty for a language that is always emitted.
     integers: whether it emits controllers in integers too, from `fixed<suffix>.j2`. runner: returns the class of the backend

@@ -18,7 +18,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
-from stt_codegen.certify import Finding, checker
+from stt_codegen.certify import Finding
+from stt_codegen.checker import archive
 from stt_codegen.compare import ComparisonRow, compare_backend
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import kinds_offering
@@ -176,7 +177,7 @@ def requirement_of(controller: EmittedController, finding: Finding) -> str:
 
 
 def _run_stand_alone_checker(controller: EmittedController, source: Path | None) -> Check:
-    """Run the checker as a process of its own, which imports nothing of this package."""
+    """Run the checker as packages have it, in a process of its own that imports nothing of this package."""
     name, prefix = "stand-alone checker", controller.task.name
     if not controller.design.capabilities.has_exact_claims:
         return Check(name, None, f"is for {kinds_offering('has_exact_claims')} tubes; this one is {controller.design.kind}")
@@ -188,8 +189,9 @@ def _run_stand_alone_checker(controller: EmittedController, source: Path | None)
         task_file = (
             source if controller.task.expanded_text is None else f"{folder}/{spelled_name(prefix)}"
         )  # has no map or outline
+        Path(folder, archive.ARCHIVE_NAME).write_bytes(archive.archive_bytes())
         paths = [str(task_file), f"{folder}/{prefix}.c", f"{folder}/{prefix}.certificate.json"]
-        command = [sys.executable, "-I", checker.__file__, *paths]
+        command = [sys.executable, "-I", "-S", f"{folder}/{archive.ARCHIVE_NAME}", *paths]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
     last_line = (result.stdout or result.stderr).strip().rpartition("\n")[2]
     message = last_line.removeprefix("checker: ").replace(f"{folder}/", "")

@@ -41,7 +41,7 @@ DEVIATIONS = {
             "tables stand before the code, where a reviewer looks for them",
         ),
         Deviation(
-            "10.1", "required", "`<p>_down`, integers only",
+            "10.1", "required", "`<p>_shift_down`, integers only",
             "a negative number moves right as by a division that rounds down; a type that cannot be made says so of the compiler",
         ),
         Deviation(

@@ -3,7 +3,7 @@
 from stt_codegen.task.sets.convex_sets import BoxSet, ConvexSet, GrownSet, Normal, Prism, Vector, minimum_over_box
 from stt_codegen.task.sets.motion import Course, Leg, course_of, possible_sets
 from stt_codegen.task.sets.polytopes import PLANE, SOLID, HalfSpace, Hull, Polytope, affine_dimension, cut_box, dot, hull_corners
-from stt_codegen.task.sets.round_sets import FAN_CORNER_DISTANCES, RoundSet, Segment, size
+from stt_codegen.task.sets.round_sets import FAN_CORNER_DISTANCES, RoundSet, Segment, inscribed, size
 from stt_codegen.task.sets.shapes import (
     SET_TABLES,
     AnyUnsafe,
@@ -64,6 +64,7 @@ __all__ = [
     "dot",
     "fields_of_shape",
     "hull_corners",
+    "inscribed",
     "kind_of_set",
     "minimum_over_box",
     "possible_sets",

@@ -47,7 +47,7 @@ def primitive_normal(vector: Sequence[Fraction]) -> tuple[Normal, Fraction]:
     return tuple(v // common for v in numbers), Fraction(factor, common)
 
 
-def cut_box(lower: Vector, upper: Vector, half_spaces: Sequence[HalfSpace]) -> list[Vertex]:
+def cut_box(lower: Vector, upper: Vector, half_spaces: Sequence[tuple[Sequence[int | Fraction], Fraction]]) -> list[Vertex]:
     """Return the vertices of a box that is cut by half-spaces.
 
     In a face mask bits 2i and 2i + 1 are the lower and upper face of the box in dimension i; the bits of the half-spaces follow.

@@ -17,11 +17,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "arm.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "arm.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "arm.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
 #error "arm.c: compile for double arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:
@@ -163,10 +174,18 @@ static inline void arm_basis_rate(arm_real s, arm_real *dw0, arm_real *dw1, arm_
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline arm_real arm_blend(arm_real w0, arm_real w1, arm_real w2, arm_real w3, arm_real q0, arm_real q1,
-                                 arm_real q2, arm_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline arm_real arm_edge_at(int32_t at, arm_real w0, arm_real w1, arm_real w2, arm_real w3)
 {
+    const arm_real q0 = arm_coefficients[at];
+    const int32_t at_1 = at + 4;
+    const arm_real q1 = arm_coefficients[at_1];
+    const int32_t at_2 = at + 8;
+    const arm_real q2 = arm_coefficients[at_2];
+    const int32_t at_3 = at + 12;
+    const arm_real q3 = arm_coefficients[at_3];
     const arm_real v0 = w0 * q0;
     const arm_real v1 = w1 * q1;
     const arm_real v2 = v0 + v1;
@@ -227,25 +246,11 @@ void arm_tube(arm_real t, arm_real lower[ARM_N], arm_real upper[ARM_N])
     arm_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const arm_real lower_q0 = arm_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const arm_real lower_q1 = arm_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const arm_real lower_q2 = arm_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const arm_real lower_q3 = arm_coefficients[lower_3];
-        const arm_real lower_edge = arm_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const arm_real lower_edge = arm_edge_at(lower_at, w0, w1, w2, w3);
+        const arm_real upper_edge = arm_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const arm_real upper_q0 = arm_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const arm_real upper_q1 = arm_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const arm_real upper_q2 = arm_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const arm_real upper_q3 = arm_coefficients[upper_3];
-        const arm_real upper_edge = arm_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -273,27 +278,13 @@ void arm_tube_rate(arm_real t, arm_real lower_rate[ARM_N], arm_real upper_rate[A
     const arm_real per_second = moving ? 2.2857142857142856 : 0.0;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const arm_real lower_q0 = arm_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const arm_real lower_q1 = arm_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const arm_real lower_q2 = arm_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const arm_real lower_q3 = arm_coefficients[lower_3];
-        const arm_real lower_slope = arm_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const arm_real lower_slope = arm_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const arm_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const arm_real upper_q0 = arm_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const arm_real upper_q1 = arm_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const arm_real upper_q2 = arm_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const arm_real upper_q3 = arm_coefficients[upper_3];
-        const arm_real upper_slope = arm_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const arm_real upper_slope = arm_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const arm_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -324,34 +315,20 @@ void arm_filtered_tube(arm_real t, arm_real lower[ARM_N], arm_real upper[ARM_N])
     arm_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const arm_real lower_q0 = arm_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const arm_real lower_q1 = arm_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const arm_real lower_q2 = arm_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const arm_real lower_q3 = arm_coefficients[lower_3];
-        const arm_real lower_edge = arm_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const arm_real lower_slope = arm_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const arm_real lower_edge = arm_edge_at(lower_at, w0, w1, w2, w3);
+        const arm_real upper_edge = arm_edge_at(upper_at, w0, w1, w2, w3);
+        const arm_real lower_slope = arm_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const arm_real lower_rate = lower_slope * 2.2857142857142856;
-        const int32_t upper_0 = at + 1;
-        const arm_real upper_q0 = arm_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const arm_real upper_q1 = arm_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const arm_real upper_q2 = arm_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const arm_real upper_q3 = arm_coefficients[upper_3];
-        const arm_real upper_edge = arm_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const arm_real upper_slope = arm_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const arm_real upper_slope = arm_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const arm_real upper_rate = upper_slope * 2.2857142857142856;
-        const arm_real filtered = lower_edge * 0.6;
-        const arm_real edge = lower_rate + filtered;
-        lower[i] = edge;
-        const arm_real filtered2 = upper_edge * 0.6;
-        const arm_real edge2 = upper_rate + filtered2;
-        upper[i] = edge2;
+        const arm_real lower_part = lower_edge * 0.6;
+        const arm_real z_lower = lower_rate + lower_part;
+        lower[i] = z_lower;
+        const arm_real upper_part = upper_edge * 0.6;
+        const arm_real z_upper = upper_rate + upper_part;
+        upper[i] = z_upper;
     }
 }
 
@@ -365,18 +342,18 @@ arm_status arm_control(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM
         const arm_real zeros = zero + x_zero;
         zero = zeros;
     }
-    arm_real zero2 = zero;
-    for (int32_t j2 = 0; j2 < 2; ++j2) {
-        const arm_real v_j = v[j2];
-        const arm_real v_zero = v_j * 0.0;
-        const arm_real zeros2 = zero2 + v_zero;
-        zero2 = zeros2;
+    arm_real v_zeros = zero;
+    for (int32_t k = 0; k < 2; ++k) {
+        const arm_real v_k = v[k];
+        const arm_real v_zero = v_k * 0.0;
+        const arm_real v_sum = v_zeros + v_zero;
+        v_zeros = v_sum;
     }
-    const bool finite = zero2 <= 0.0;
+    const bool finite = v_zeros <= 0.0;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j3 = 0; j3 < 2; ++j3) {
-            u[j3] = 0.0;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0;
         }
         return ARM_BAD_INPUT;
     }
@@ -396,69 +373,55 @@ arm_status arm_control(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const arm_real lower_q0 = arm_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const arm_real lower_q1 = arm_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const arm_real lower_q2 = arm_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const arm_real lower_q3 = arm_coefficients[lower_3];
-        const arm_real lower_edge = arm_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const arm_real lower_slope = arm_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const arm_real lower_edge = arm_edge_at(lower_at, w0, w1, w2, w3);
+        const arm_real upper_edge = arm_edge_at(upper_at, w0, w1, w2, w3);
+        const arm_real lower_slope = arm_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const arm_real lower_rate = lower_slope * 2.2857142857142856;
-        const int32_t upper_0 = at + 1;
-        const arm_real upper_q0 = arm_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const arm_real upper_q1 = arm_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const arm_real upper_q2 = arm_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const arm_real upper_q3 = arm_coefficients[upper_3];
-        const arm_real upper_edge = arm_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const arm_real upper_slope = arm_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const arm_real upper_slope = arm_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const arm_real upper_rate = upper_slope * 2.2857142857142856;
         const arm_real x_i = x[i];
         const arm_real v_i = v[i];
-        const arm_real room = upper_edge - lower_edge;
+        const arm_real width = upper_edge - lower_edge;
         const arm_real to_lower = x_i - lower_edge;
         const arm_real to_upper = upper_edge - x_i;
-        const arm_real room2 = upper_rate - lower_rate;
-        const arm_real to_lower2 = v_i - lower_rate;
-        const arm_real to_upper2 = upper_rate - v_i;
+        const arm_real v_width = upper_rate - lower_rate;
+        const arm_real v_to_lower = v_i - lower_rate;
+        const arm_real v_to_upper = upper_rate - v_i;
         const arm_real gain_i = arm_gain[i];
         const arm_real gain_minus = -gain_i;
-        const arm_real filtered = room * 0.6;
-        const arm_real room3 = room2 + filtered;
-        const arm_real filtered2 = to_lower * 0.6;
-        const arm_real to_lower3 = to_lower2 + filtered2;
-        const arm_real filtered3 = to_upper * 0.6;
-        const arm_real to_upper3 = to_upper2 + filtered3;
-        const bool upper_nearer = to_upper3 < to_lower3;
-        const arm_real nearest = upper_nearer ? to_upper3 : to_lower3;
+        const arm_real width_part = width * 0.6;
+        const arm_real z_width = v_width + width_part;
+        const arm_real lower_part = to_lower * 0.6;
+        const arm_real z_to_lower = v_to_lower + lower_part;
+        const arm_real upper_part = to_upper * 0.6;
+        const arm_real z_to_upper = v_to_upper + upper_part;
+        const bool upper_nearer = z_to_upper < z_to_lower;
+        const arm_real distance = upper_nearer ? z_to_upper : z_to_lower;
         const arm_real gain = upper_nearer ? gain_minus : gain_i;
-        const arm_real least = room3 * 0.005;
-        const bool clear = least < nearest;
-        const arm_real near = clear ? nearest : least;
-        const arm_real far = room3 - near;
-        const bool over = 0.0 < to_lower;
-        const bool under = 0.0 < to_upper;
-        const bool between = over && under;
-        const bool within = 0.0 < nearest;
-        const bool inside = within && between;
-        const bool outside_any = inside ? outside : true;
+        const arm_real smallest = z_width * 0.005;
+        const bool clear = smallest < distance;
+        const arm_real to_nearer = clear ? distance : smallest;
+        const arm_real to_farther = z_width - to_nearer;
+        const bool x_above = 0.0 < to_lower;
+        const bool x_below = 0.0 < to_upper;
+        const bool x_inside = x_above && x_below;
+        const bool z_inside = 0.0 < distance;
+        const bool inside = z_inside && x_inside;
+        const bool outside_next = inside ? outside : true;
         const arm_real u_limit = arm_u_max[i];
         arm_real epsilon;
         arm_real xi;
-        arm_transformed_error(near, far, &epsilon, &xi);
-        const arm_real push = arm_law(gain, xi, epsilon);
+        arm_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const arm_real u_i = arm_law(gain, xi, epsilon);
         const arm_real u_min = -u_limit;
-        const bool u_held_above = u_min < push;
-        const arm_real u_held_raised = u_held_above ? push : u_min;
-        const bool u_held_over = u_limit < u_held_raised;
-        const arm_real u_held = u_held_over ? u_limit : u_held_raised;
-        u[i] = u_held;
-        outside = outside_any;
+        const bool u_above = u_min < u_i;
+        const arm_real u_raised = u_above ? u_i : u_min;
+        const bool u_beyond = u_limit < u_raised;
+        const arm_real u_limited = u_beyond ? u_limit : u_raised;
+        u[i] = u_limited;
+        outside = outside_next;
     }
     return outside ? ARM_OUTSIDE_TUBE : ARM_OK;
 }
@@ -473,14 +436,14 @@ arm_real arm_margin(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N]
         const arm_real zeros = zero + x_zero;
         zero = zeros;
     }
-    arm_real zero2 = zero;
-    for (int32_t j2 = 0; j2 < 2; ++j2) {
-        const arm_real v_j = v[j2];
-        const arm_real v_zero = v_j * 0.0;
-        const arm_real zeros2 = zero2 + v_zero;
-        zero2 = zeros2;
+    arm_real v_zeros = zero;
+    for (int32_t k = 0; k < 2; ++k) {
+        const arm_real v_k = v[k];
+        const arm_real v_zero = v_k * 0.0;
+        const arm_real v_sum = v_zeros + v_zero;
+        v_zeros = v_sum;
     }
-    const bool finite = zero2 <= 0.0;
+    const bool finite = v_zeros <= 0.0;
     const bool bad = !finite;
     if (bad) {
         return (arm_real)NAN;
@@ -501,56 +464,42 @@ arm_real arm_margin(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N]
     arm_real margin = 0.5;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const arm_real lower_q0 = arm_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const arm_real lower_q1 = arm_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const arm_real lower_q2 = arm_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const arm_real lower_q3 = arm_coefficients[lower_3];
-        const arm_real lower_edge = arm_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const arm_real lower_slope = arm_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const arm_real lower_edge = arm_edge_at(lower_at, w0, w1, w2, w3);
+        const arm_real upper_edge = arm_edge_at(upper_at, w0, w1, w2, w3);
+        const arm_real lower_slope = arm_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const arm_real lower_rate = lower_slope * 2.2857142857142856;
-        const int32_t upper_0 = at + 1;
-        const arm_real upper_q0 = arm_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const arm_real upper_q1 = arm_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const arm_real upper_q2 = arm_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const arm_real upper_q3 = arm_coefficients[upper_3];
-        const arm_real upper_edge = arm_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const arm_real upper_slope = arm_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const arm_real upper_slope = arm_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const arm_real upper_rate = upper_slope * 2.2857142857142856;
         const arm_real x_i = x[i];
         const arm_real v_i = v[i];
-        const arm_real room = upper_edge - lower_edge;
+        const arm_real width = upper_edge - lower_edge;
         const arm_real to_lower = x_i - lower_edge;
         const arm_real to_upper = upper_edge - x_i;
-        const arm_real room2 = upper_rate - lower_rate;
-        const arm_real to_lower2 = v_i - lower_rate;
-        const arm_real to_upper2 = upper_rate - v_i;
-        const arm_real filtered = room * 0.6;
-        const arm_real room3 = room2 + filtered;
-        const arm_real filtered2 = to_lower * 0.6;
-        const arm_real to_lower3 = to_lower2 + filtered2;
-        const arm_real filtered3 = to_upper * 0.6;
-        const arm_real to_upper3 = to_upper2 + filtered3;
-        const bool upper_nearer = to_upper3 < to_lower3;
-        const arm_real nearest = upper_nearer ? to_upper3 : to_lower3;
-        const arm_real share = nearest / room3;
-        const bool beyond = share < (-1.0);
-        const arm_real held_share = beyond ? (-1.0) : share;
-        const bool upper_nearer2 = to_upper < to_lower;
-        const arm_real nearest2 = upper_nearer2 ? to_upper : to_lower;
-        const arm_real share2 = nearest2 / room;
-        const bool beyond2 = share2 < (-1.0);
-        const arm_real held_share2 = beyond2 ? (-1.0) : share2;
-        const bool filtered_less = held_share < held_share2;
-        const arm_real lesser = filtered_less ? held_share : held_share2;
-        const bool less = lesser < margin;
-        const arm_real margin_next = less ? lesser : margin;
+        const arm_real v_width = upper_rate - lower_rate;
+        const arm_real v_to_lower = v_i - lower_rate;
+        const arm_real v_to_upper = upper_rate - v_i;
+        const arm_real width_part = width * 0.6;
+        const arm_real z_width = v_width + width_part;
+        const arm_real lower_part = to_lower * 0.6;
+        const arm_real z_to_lower = v_to_lower + lower_part;
+        const arm_real upper_part = to_upper * 0.6;
+        const arm_real z_to_upper = v_to_upper + upper_part;
+        const bool z_nearer = z_to_upper < z_to_lower;
+        const arm_real z_distance = z_nearer ? z_to_upper : z_to_lower;
+        const arm_real z_share = z_distance / z_width;
+        const bool z_beyond = z_share < (-1.0);
+        const arm_real margin_z = z_beyond ? (-1.0) : z_share;
+        const bool x_nearer = to_upper < to_lower;
+        const arm_real x_distance = x_nearer ? to_upper : to_lower;
+        const arm_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const arm_real margin_x = x_beyond ? (-1.0) : x_share;
+        const bool x_smaller = margin_x < margin_z;
+        const arm_real smaller = x_smaller ? margin_x : margin_z;
+        const bool less = smaller < margin;
+        const arm_real margin_next = less ? smaller : margin;
         margin = margin_next;
     }
     return margin;
@@ -581,55 +530,41 @@ void arm_margins(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N], a
     arm_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const arm_real lower_q0 = arm_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const arm_real lower_q1 = arm_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const arm_real lower_q2 = arm_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const arm_real lower_q3 = arm_coefficients[lower_3];
-        const arm_real lower_edge = arm_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const arm_real lower_slope = arm_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const arm_real lower_edge = arm_edge_at(lower_at, w0, w1, w2, w3);
+        const arm_real upper_edge = arm_edge_at(upper_at, w0, w1, w2, w3);
+        const arm_real lower_slope = arm_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const arm_real lower_rate = lower_slope * 2.2857142857142856;
-        const int32_t upper_0 = at + 1;
-        const arm_real upper_q0 = arm_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const arm_real upper_q1 = arm_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const arm_real upper_q2 = arm_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const arm_real upper_q3 = arm_coefficients[upper_3];
-        const arm_real upper_edge = arm_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const arm_real upper_slope = arm_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const arm_real upper_slope = arm_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const arm_real upper_rate = upper_slope * 2.2857142857142856;
         const arm_real x_i = x[i];
         const arm_real v_i = v[i];
-        const arm_real room = upper_edge - lower_edge;
+        const arm_real width = upper_edge - lower_edge;
         const arm_real to_lower = x_i - lower_edge;
         const arm_real to_upper = upper_edge - x_i;
-        const arm_real room2 = upper_rate - lower_rate;
-        const arm_real to_lower2 = v_i - lower_rate;
-        const arm_real to_upper2 = upper_rate - v_i;
-        const arm_real filtered = room * 0.6;
-        const arm_real room3 = room2 + filtered;
-        const arm_real filtered2 = to_lower * 0.6;
-        const arm_real to_lower3 = to_lower2 + filtered2;
-        const arm_real filtered3 = to_upper * 0.6;
-        const arm_real to_upper3 = to_upper2 + filtered3;
-        const bool upper_nearer = to_upper3 < to_lower3;
-        const arm_real nearest = upper_nearer ? to_upper3 : to_lower3;
-        const arm_real share = nearest / room3;
-        const bool beyond = share < (-1.0);
-        const arm_real held_share = beyond ? (-1.0) : share;
-        const bool upper_nearer2 = to_upper < to_lower;
-        const arm_real nearest2 = upper_nearer2 ? to_upper : to_lower;
-        const arm_real share2 = nearest2 / room;
-        const bool beyond2 = share2 < (-1.0);
-        const arm_real held_share2 = beyond2 ? (-1.0) : share2;
-        const bool filtered_less = held_share < held_share2;
-        const arm_real lesser = filtered_less ? held_share : held_share2;
-        margin[i] = lesser;
+        const arm_real v_width = upper_rate - lower_rate;
+        const arm_real v_to_lower = v_i - lower_rate;
+        const arm_real v_to_upper = upper_rate - v_i;
+        const arm_real width_part = width * 0.6;
+        const arm_real z_width = v_width + width_part;
+        const arm_real lower_part = to_lower * 0.6;
+        const arm_real z_to_lower = v_to_lower + lower_part;
+        const arm_real upper_part = to_upper * 0.6;
+        const arm_real z_to_upper = v_to_upper + upper_part;
+        const bool z_nearer = z_to_upper < z_to_lower;
+        const arm_real z_distance = z_nearer ? z_to_upper : z_to_lower;
+        const arm_real z_share = z_distance / z_width;
+        const bool z_beyond = z_share < (-1.0);
+        const arm_real margin_z = z_beyond ? (-1.0) : z_share;
+        const bool x_nearer = to_upper < to_lower;
+        const arm_real x_distance = x_nearer ? to_upper : to_lower;
+        const arm_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const arm_real margin_x = x_beyond ? (-1.0) : x_share;
+        const bool x_smaller = margin_x < margin_z;
+        const arm_real smaller = x_smaller ? margin_x : margin_z;
+        margin[i] = smaller;
     }
 }
 
@@ -638,20 +573,20 @@ bool arm_covered(const arm_real x[ARM_N], const arm_real v[ARM_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const arm_real x_i = x[i];
-        const arm_real start_lower_i = arm_start_lower[i];
-        const arm_real start_upper_i = arm_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const arm_real filtered = x_i * 0.6;
+        const arm_real x_lower = arm_start_lower[i];
+        const arm_real x_upper = arm_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const arm_real x_part = x_i * 0.6;
         const arm_real v_i = v[i];
-        const arm_real z = v_i + filtered;
-        const arm_real filtered_start_lower_i = arm_filtered_start_lower[i];
-        const arm_real filtered_start_upper_i = arm_filtered_start_upper[i];
-        const bool z_after = filtered_start_lower_i < z;
-        const bool z_before = z < filtered_start_upper_i;
-        const bool z_between = z_after && z_before;
-        const bool inside = x_i_between && z_between;
+        const arm_real z_i = v_i + x_part;
+        const arm_real z_lower = arm_filtered_start_lower[i];
+        const arm_real z_upper = arm_filtered_start_upper[i];
+        const bool z_above = z_lower < z_i;
+        const bool z_below = z_i < z_upper;
+        const bool z_inside = z_above && z_below;
+        const bool inside = x_inside && z_inside;
         const bool covered_next = inside ? covered : false;
         covered = covered_next;
     }
@@ -665,46 +600,46 @@ void arm_transform(const arm_real lower[ARM_N], const arm_real upper[ARM_N], con
         const arm_real lower_edge = lower[i];
         const arm_real upper_edge = upper[i];
         const arm_real x_i = x[i];
-        const arm_real room = upper_edge - lower_edge;
-        const bool filled = 0.0 < room;
+        const arm_real width = upper_edge - lower_edge;
+        const bool filled = 0.0 < width;
         const bool empty = !filled;
-        const bool wide = 9.5367431640625e-7 < room;
-        const arm_real width = wide ? room : 9.5367431640625e-7;
+        const bool wide = 9.5367431640625e-7 < width;
+        const arm_real safe_width = wide ? width : 9.5367431640625e-7;
         const arm_real to_lower = x_i - lower_edge;
         const arm_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const arm_real nearest = upper_nearer ? to_upper : to_lower;
-        const arm_real gain = upper_nearer ? (-1.0) : 1.0;
-        const arm_real least = width * 0.005;
-        const arm_real widened = width - room;
-        const arm_real spare = widened * 0.5;
-        const arm_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const arm_real distance = upper_nearer ? to_upper : to_lower;
+        const arm_real sign = upper_nearer ? (-1.0) : 1.0;
+        const arm_real smallest = safe_width * 0.005;
+        const arm_real widened = safe_width - width;
+        const arm_real half = widened * 0.5;
+        const arm_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const arm_real near = clear ? distance : least;
-        const arm_real far = width - near;
-        const arm_real a = upper_nearer ? far : near;
-        const arm_real b = upper_nearer ? near : far;
-        const arm_real e_raw = arm_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99) < e_raw;
-        const arm_real e_held_raised = e_held_above ? e_raw : (-0.99);
-        const bool e_held_over = 0.99 < e_held_raised;
-        const arm_real e_held = e_held_over ? 0.99 : e_held_raised;
-        arm_real epsilon_near;
+        const arm_real to_nearer = clear ? safe_distance : smallest;
+        const arm_real to_farther = safe_width - to_nearer;
+        const arm_real a = upper_nearer ? to_farther : to_nearer;
+        const arm_real b = upper_nearer ? to_nearer : to_farther;
+        const arm_real e_i = arm_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99) < e_i;
+        const arm_real e_raised = e_above ? e_i : (-0.99);
+        const bool e_beyond = 0.99 < e_raised;
+        const arm_real e_limited = e_beyond ? 0.99 : e_raised;
+        arm_real epsilon_nearer;
         arm_real xi_i;
-        arm_transformed_error(near, far, &epsilon_near, &xi_i);
-        const arm_real epsilon_i = gain * epsilon_near;
+        arm_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const arm_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const arm_real e_settled = empty ? 0.0 : e_held;
-        const arm_real e_out = finite ? e_settled : (arm_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const arm_real e_or_zero = empty ? 0.0 : e_limited;
+        const arm_real e_out = finite ? e_or_zero : (arm_real)NAN;
         e[i] = e_out;
-        const arm_real epsilon_settled = empty ? 0.0 : epsilon_i;
-        const arm_real epsilon_out = finite ? epsilon_settled : (arm_real)NAN;
+        const arm_real epsilon_or_zero = empty ? 0.0 : epsilon_i;
+        const arm_real epsilon_out = finite ? epsilon_or_zero : (arm_real)NAN;
         epsilon[i] = epsilon_out;
-        const arm_real xi_settled = empty ? 0.0 : xi_i;
-        const arm_real xi_out = finite ? xi_settled : (arm_real)NAN;
+        const arm_real xi_or_zero = empty ? 0.0 : xi_i;
+        const arm_real xi_out = finite ? xi_or_zero : (arm_real)NAN;
         xi[i] = xi_out;
     }
 }

@@ -161,8 +161,17 @@ def _basis_rate(s):
     return v5, v12, v14, v18
 
 
-def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
-    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+def _edge_at(at, w0, w1, w2, w3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j,
+    of the control points that stand at `at` and one, two and three rows after it.
+    """
+    q0 = COEFFICIENTS[at]
+    at_1 = at + 4
+    q1 = COEFFICIENTS[at_1]
+    at_2 = at + 8
+    q2 = COEFFICIENTS[at_2]
+    at_3 = at + 12
+    q3 = COEFFICIENTS[at_3]
     v0 = w0 * q0
     v1 = w1 * q1
     v2 = v0 + v1
@@ -216,25 +225,11 @@ def tube(t):
     w0, w1, w2, w3 = _basis(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
+        upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
         lower[i] = lower_edge
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
         upper[i] = upper_edge
     return tuple(lower), tuple(upper)
 
@@ -259,27 +254,13 @@ def tube_rate(t):
     per_second = 2.2857142857142856 if moving else 0.0
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_slope = _edge_at(lower_at, dw0, dw1, dw2, dw3)
         lower_speed = lower_slope * per_second
-        lower_rate[i] = lower_speed
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _edge_at(upper_at, dw0, dw1, dw2, dw3)
         upper_speed = upper_slope * per_second
+        lower_rate[i] = lower_speed
         upper_rate[i] = upper_speed
     return tuple(lower_rate), tuple(upper_rate)
 
@@ -303,34 +284,20 @@ def filtered_tube(t):
     dw0, dw1, dw2, dw3 = _basis_rate(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
-        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
+        upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
+        lower_slope = _edge_at(lower_at, dw0, dw1, dw2, dw3)
         lower_rate = lower_slope * 2.2857142857142856
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
-        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _edge_at(upper_at, dw0, dw1, dw2, dw3)
         upper_rate = upper_slope * 2.2857142857142856
-        filtered = lower_edge * 0.6
-        edge = lower_rate + filtered
-        lower[i] = edge
-        filtered2 = upper_edge * 0.6
-        edge2 = upper_rate + filtered2
-        upper[i] = edge2
+        lower_part = lower_edge * 0.6
+        z_lower = lower_rate + lower_part
+        lower[i] = z_lower
+        upper_part = upper_edge * 0.6
+        z_upper = upper_rate + upper_part
+        upper[i] = z_upper
     return tuple(lower), tuple(upper)
 
 
@@ -354,17 +321,17 @@ def control(t, x, v):
         x_zero = x_j * 0.0
         zeros = zero + x_zero
         zero = zeros
-    zero2 = zero
-    for j2 in range(2):
-        v_j = v[j2]
-        v_zero = v_j * 0.0
-        zeros2 = zero2 + v_zero
-        zero2 = zeros2
-    finite = zero2 <= 0.0
+    v_zeros = zero
+    for k in range(2):
+        v_k = v[k]
+        v_zero = v_k * 0.0
+        v_sum = v_zeros + v_zero
+        v_zeros = v_sum
+    finite = v_zeros <= 0.0
     bad = not finite
     if bad:
-        for j3 in range(2):
-            u[j3] = 0.0
+        for m in range(2):
+            u[m] = 0.0
         return BAD_INPUT, tuple(u)
     row, s = _segment(t)
     w0, w1, w2, w3 = _basis(s)
@@ -372,67 +339,53 @@ def control(t, x, v):
     outside = False
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
-        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
+        upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
+        lower_slope = _edge_at(lower_at, dw0, dw1, dw2, dw3)
         lower_rate = lower_slope * 2.2857142857142856
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
-        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _edge_at(upper_at, dw0, dw1, dw2, dw3)
         upper_rate = upper_slope * 2.2857142857142856
         x_i = x[i]
         v_i = v[i]
-        room = upper_edge - lower_edge
+        width = upper_edge - lower_edge
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
-        room2 = upper_rate - lower_rate
-        to_lower2 = v_i - lower_rate
-        to_upper2 = upper_rate - v_i
+        v_width = upper_rate - lower_rate
+        v_to_lower = v_i - lower_rate
+        v_to_upper = upper_rate - v_i
         gain_i = GAIN[i]
         gain_minus = -gain_i
-        filtered = room * 0.6
-        room3 = room2 + filtered
-        filtered2 = to_lower * 0.6
-        to_lower3 = to_lower2 + filtered2
-        filtered3 = to_upper * 0.6
-        to_upper3 = to_upper2 + filtered3
-        upper_nearer = to_upper3 < to_lower3
-        nearest = to_upper3 if upper_nearer else to_lower3
+        width_part = width * 0.6
+        z_width = v_width + width_part
+        lower_part = to_lower * 0.6
+        z_to_lower = v_to_lower + lower_part
+        upper_part = to_upper * 0.6
+        z_to_upper = v_to_upper + upper_part
+        upper_nearer = z_to_upper < z_to_lower
+        distance = z_to_upper if upper_nearer else z_to_lower
         gain = gain_minus if upper_nearer else gain_i
-        least = room3 * 0.005
-        clear = least < nearest
-        near = nearest if clear else least
-        far = room3 - near
-        over = 0.0 < to_lower
-        under = 0.0 < to_upper
-        between = over and under
-        within = 0.0 < nearest
-        inside = within and between
-        outside_any = outside if inside else True
+        smallest = z_width * 0.005
+        clear = smallest < distance
+        to_nearer = distance if clear else smallest
+        to_farther = z_width - to_nearer
+        x_above = 0.0 < to_lower
+        x_below = 0.0 < to_upper
+        x_inside = x_above and x_below
+        z_inside = 0.0 < distance
+        inside = z_inside and x_inside
+        outside_next = outside if inside else True
         u_limit = U_MAX[i]
-        epsilon, xi = _transformed_error(near, far)
-        push = _law(gain, xi, epsilon)
+        epsilon, xi = _transformed_error(to_nearer, to_farther)
+        u_i = _law(gain, xi, epsilon)
         u_min = -u_limit
-        u_held_above = u_min < push
-        u_held_raised = push if u_held_above else u_min
-        u_held_over = u_limit < u_held_raised
-        u_held = u_limit if u_held_over else u_held_raised
-        u[i] = u_held
-        outside = outside_any
+        u_above = u_min < u_i
+        u_raised = u_i if u_above else u_min
+        u_beyond = u_limit < u_raised
+        u_limited = u_limit if u_beyond else u_raised
+        u[i] = u_limited
+        outside = outside_next
     return OUTSIDE_TUBE if outside else OK, tuple(u)
 
 
@@ -452,13 +405,13 @@ def margin(t, x, v):
         x_zero = x_j * 0.0
         zeros = zero + x_zero
         zero = zeros
-    zero2 = zero
-    for j2 in range(2):
-        v_j = v[j2]
-        v_zero = v_j * 0.0
-        zeros2 = zero2 + v_zero
-        zero2 = zeros2
-    finite = zero2 <= 0.0
+    v_zeros = zero
+    for k in range(2):
+        v_k = v[k]
+        v_zero = v_k * 0.0
+        v_sum = v_zeros + v_zero
+        v_zeros = v_sum
+    finite = v_zeros <= 0.0
     bad = not finite
     if bad:
         return math.nan
@@ -468,56 +421,42 @@ def margin(t, x, v):
     margin = 0.5
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
-        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
+        upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
+        lower_slope = _edge_at(lower_at, dw0, dw1, dw2, dw3)
         lower_rate = lower_slope * 2.2857142857142856
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
-        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _edge_at(upper_at, dw0, dw1, dw2, dw3)
         upper_rate = upper_slope * 2.2857142857142856
         x_i = x[i]
         v_i = v[i]
-        room = upper_edge - lower_edge
+        width = upper_edge - lower_edge
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
-        room2 = upper_rate - lower_rate
-        to_lower2 = v_i - lower_rate
-        to_upper2 = upper_rate - v_i
-        filtered = room * 0.6
-        room3 = room2 + filtered
-        filtered2 = to_lower * 0.6
-        to_lower3 = to_lower2 + filtered2
-        filtered3 = to_upper * 0.6
-        to_upper3 = to_upper2 + filtered3
-        upper_nearer = to_upper3 < to_lower3
-        nearest = to_upper3 if upper_nearer else to_lower3
-        share = nearest / room3
-        beyond = share < -1.0
-        held_share = -1.0 if beyond else share
-        upper_nearer2 = to_upper < to_lower
-        nearest2 = to_upper if upper_nearer2 else to_lower
-        share2 = nearest2 / room
-        beyond2 = share2 < -1.0
-        held_share2 = -1.0 if beyond2 else share2
-        filtered_less = held_share < held_share2
-        lesser = held_share if filtered_less else held_share2
-        less = lesser < margin
-        margin_next = lesser if less else margin
+        v_width = upper_rate - lower_rate
+        v_to_lower = v_i - lower_rate
+        v_to_upper = upper_rate - v_i
+        width_part = width * 0.6
+        z_width = v_width + width_part
+        lower_part = to_lower * 0.6
+        z_to_lower = v_to_lower + lower_part
+        upper_part = to_upper * 0.6
+        z_to_upper = v_to_upper + upper_part
+        z_nearer = z_to_upper < z_to_lower
+        z_distance = z_to_upper if z_nearer else z_to_lower
+        z_share = z_distance / z_width
+        z_beyond = z_share < -1.0
+        margin_z = -1.0 if z_beyond else z_share
+        x_nearer = to_upper < to_lower
+        x_distance = to_upper if x_nearer else to_lower
+        x_share = x_distance / width
+        x_beyond = x_share < -1.0
+        margin_x = -1.0 if x_beyond else x_share
+        x_smaller = margin_x < margin_z
+        smaller = margin_x if x_smaller else margin_z
+        less = smaller < margin
+        margin_next = smaller if less else margin
         margin = margin_next
     return margin
 
@@ -541,55 +480,41 @@ def margins(t, x, v):
     dw0, dw1, dw2, dw3 = _basis_rate(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
-        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
+        upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
+        lower_slope = _edge_at(lower_at, dw0, dw1, dw2, dw3)
         lower_rate = lower_slope * 2.2857142857142856
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
-        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _edge_at(upper_at, dw0, dw1, dw2, dw3)
         upper_rate = upper_slope * 2.2857142857142856
         x_i = x[i]
         v_i = v[i]
-        room = upper_edge - lower_edge
+        width = upper_edge - lower_edge
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
-        room2 = upper_rate - lower_rate
-        to_lower2 = v_i - lower_rate
-        to_upper2 = upper_rate - v_i
-        filtered = room * 0.6
-        room3 = room2 + filtered
-        filtered2 = to_lower * 0.6
-        to_lower3 = to_lower2 + filtered2
-        filtered3 = to_upper * 0.6
-        to_upper3 = to_upper2 + filtered3
-        upper_nearer = to_upper3 < to_lower3
-        nearest = to_upper3 if upper_nearer else to_lower3
-        share = nearest / room3
-        beyond = share < -1.0
-        held_share = -1.0 if beyond else share
-        upper_nearer2 = to_upper < to_lower
-        nearest2 = to_upper if upper_nearer2 else to_lower
-        share2 = nearest2 / room
-        beyond2 = share2 < -1.0
-        held_share2 = -1.0 if beyond2 else share2
-        filtered_less = held_share < held_share2
-        lesser = held_share if filtered_less else held_share2
-        margin[i] = lesser
+        v_width = upper_rate - lower_rate
+        v_to_lower = v_i - lower_rate
+        v_to_upper = upper_rate - v_i
+        width_part = width * 0.6
+        z_width = v_width + width_part
+        lower_part = to_lower * 0.6
+        z_to_lower = v_to_lower + lower_part
+        upper_part = to_upper * 0.6
+        z_to_upper = v_to_upper + upper_part
+        z_nearer = z_to_upper < z_to_lower
+        z_distance = z_to_upper if z_nearer else z_to_lower
+        z_share = z_distance / z_width
+        z_beyond = z_share < -1.0
+        margin_z = -1.0 if z_beyond else z_share
+        x_nearer = to_upper < to_lower
+        x_distance = to_upper if x_nearer else to_lower
+        x_share = x_distance / width
+        x_beyond = x_share < -1.0
+        margin_x = -1.0 if x_beyond else x_share
+        x_smaller = margin_x < margin_z
+        smaller = margin_x if x_smaller else margin_z
+        margin[i] = smaller
     return tuple(margin)
 
 
@@ -606,20 +531,20 @@ def covered(x, v):
     covered = True
     for i in range(2):
         x_i = x[i]
-        start_lower_i = START_LOWER[i]
-        start_upper_i = START_UPPER[i]
-        x_i_after = start_lower_i < x_i
-        x_i_before = x_i < start_upper_i
-        x_i_between = x_i_after and x_i_before
-        filtered = x_i * 0.6
+        x_lower = START_LOWER[i]
+        x_upper = START_UPPER[i]
+        x_above = x_lower < x_i
+        x_below = x_i < x_upper
+        x_inside = x_above and x_below
+        x_part = x_i * 0.6
         v_i = v[i]
-        z = v_i + filtered
-        filtered_start_lower_i = FILTERED_START_LOWER[i]
-        filtered_start_upper_i = FILTERED_START_UPPER[i]
-        z_after = filtered_start_lower_i < z
-        z_before = z < filtered_start_upper_i
-        z_between = z_after and z_before
-        inside = x_i_between and z_between
+        z_i = v_i + x_part
+        z_lower = FILTERED_START_LOWER[i]
+        z_upper = FILTERED_START_UPPER[i]
+        z_above = z_lower < z_i
+        z_below = z_i < z_upper
+        z_inside = z_above and z_below
+        inside = x_inside and z_inside
         covered_next = covered if inside else False
         covered = covered_next
     return covered
@@ -643,43 +568,43 @@ def transform(lower, upper, x):
         lower_edge = lower[i]
         upper_edge = upper[i]
         x_i = x[i]
-        room = upper_edge - lower_edge
-        filled = 0.0 < room
+        width = upper_edge - lower_edge
+        filled = 0.0 < width
         empty = not filled
-        wide = 9.5367431640625e-7 < room
-        width = room if wide else 9.5367431640625e-7
+        wide = 9.5367431640625e-7 < width
+        safe_width = width if wide else 9.5367431640625e-7
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
         upper_nearer = to_upper < to_lower
-        nearest = to_upper if upper_nearer else to_lower
-        gain = -1.0 if upper_nearer else 1.0
-        least = width * 0.005
-        widened = width - room
-        spare = widened * 0.5
-        distance = nearest + spare
-        farther = least < distance
+        distance = to_upper if upper_nearer else to_lower
+        sign = -1.0 if upper_nearer else 1.0
+        smallest = safe_width * 0.005
+        widened = safe_width - width
+        half = widened * 0.5
+        safe_distance = distance + half
+        farther = smallest < safe_distance
         clear = filled and farther
-        near = distance if clear else least
-        far = width - near
-        a = far if upper_nearer else near
-        b = near if upper_nearer else far
-        e_raw = _normalized_error(a, b, width)
-        e_held_above = -0.99 < e_raw
-        e_held_raised = e_raw if e_held_above else -0.99
-        e_held_over = 0.99 < e_held_raised
-        e_held = 0.99 if e_held_over else e_held_raised
-        epsilon_near, xi_i = _transformed_error(near, far)
-        epsilon_i = gain * epsilon_near
+        to_nearer = safe_distance if clear else smallest
+        to_farther = safe_width - to_nearer
+        a = to_farther if upper_nearer else to_nearer
+        b = to_nearer if upper_nearer else to_farther
+        e_i = _normalized_error(a, b, safe_width)
+        e_above = -0.99 < e_i
+        e_raised = e_i if e_above else -0.99
+        e_beyond = 0.99 < e_raised
+        e_limited = 0.99 if e_beyond else e_raised
+        epsilon_nearer, xi_i = _transformed_error(to_nearer, to_farther)
+        epsilon_i = sign * epsilon_nearer
         finite_x = math.isfinite(x_i)
-        finite_room = math.isfinite(room)
-        finite = finite_x and finite_room
-        e_settled = 0.0 if empty else e_held
-        e_out = e_settled if finite else math.nan
+        finite_width = math.isfinite(width)
+        finite = finite_x and finite_width
+        e_or_zero = 0.0 if empty else e_limited
+        e_out = e_or_zero if finite else math.nan
         e[i] = e_out
-        epsilon_settled = 0.0 if empty else epsilon_i
-        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon_or_zero = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_or_zero if finite else math.nan
         epsilon[i] = epsilon_out
-        xi_settled = 0.0 if empty else xi_i
-        xi_out = xi_settled if finite else math.nan
+        xi_or_zero = 0.0 if empty else xi_i
+        xi_out = xi_or_zero if finite else math.nan
         xi[i] = xi_out
     return tuple(e), tuple(epsilon), tuple(xi)

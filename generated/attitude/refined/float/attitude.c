@@ -17,11 +17,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "attitude.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "attitude.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "attitude.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "attitude.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:
@@ -200,11 +211,19 @@ static inline void attitude_basis_rate(attitude_real s, attitude_real *dw0, atti
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline attitude_real attitude_blend(attitude_real w0, attitude_real w1, attitude_real w2,
-                                           attitude_real w3, attitude_real q0, attitude_real q1,
-                                           attitude_real q2, attitude_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline attitude_real attitude_edge_at(int32_t at, attitude_real w0, attitude_real w1, attitude_real w2,
+                                             attitude_real w3)
 {
+    const attitude_real q0 = attitude_coefficients[at];
+    const int32_t at_1 = at + 6;
+    const attitude_real q1 = attitude_coefficients[at_1];
+    const int32_t at_2 = at + 12;
+    const attitude_real q2 = attitude_coefficients[at_2];
+    const int32_t at_3 = at + 18;
+    const attitude_real q3 = attitude_coefficients[at_3];
     const attitude_real v0 = w0 * q0;
     const attitude_real v1 = w1 * q1;
     const attitude_real v2 = v0 + v1;
@@ -266,25 +285,11 @@ void attitude_tube(attitude_real t, attitude_real lower[ATTITUDE_N], attitude_re
     attitude_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const attitude_real lower_q0 = attitude_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const attitude_real lower_q1 = attitude_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const attitude_real lower_q2 = attitude_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const attitude_real lower_q3 = attitude_coefficients[lower_3];
-        const attitude_real lower_edge = attitude_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const attitude_real lower_edge = attitude_edge_at(lower_at, w0, w1, w2, w3);
+        const attitude_real upper_edge = attitude_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const attitude_real upper_q0 = attitude_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const attitude_real upper_q1 = attitude_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const attitude_real upper_q2 = attitude_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const attitude_real upper_q3 = attitude_coefficients[upper_3];
-        const attitude_real upper_edge = attitude_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -313,27 +318,13 @@ void attitude_tube_rate(attitude_real t, attitude_real lower_rate[ATTITUDE_N],
     const attitude_real per_second = moving ? 0.53333336F : 0.0F;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const attitude_real lower_q0 = attitude_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const attitude_real lower_q1 = attitude_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const attitude_real lower_q2 = attitude_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const attitude_real lower_q3 = attitude_coefficients[lower_3];
-        const attitude_real lower_slope = attitude_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const attitude_real lower_slope = attitude_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const attitude_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const attitude_real upper_q0 = attitude_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const attitude_real upper_q1 = attitude_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const attitude_real upper_q2 = attitude_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const attitude_real upper_q3 = attitude_coefficients[upper_3];
-        const attitude_real upper_slope = attitude_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const attitude_real upper_slope = attitude_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const attitude_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -364,34 +355,20 @@ void attitude_filtered_tube(attitude_real t, attitude_real lower[ATTITUDE_N], at
     attitude_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const attitude_real lower_q0 = attitude_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const attitude_real lower_q1 = attitude_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const attitude_real lower_q2 = attitude_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const attitude_real lower_q3 = attitude_coefficients[lower_3];
-        const attitude_real lower_edge = attitude_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const attitude_real lower_slope = attitude_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const attitude_real lower_edge = attitude_edge_at(lower_at, w0, w1, w2, w3);
+        const attitude_real upper_edge = attitude_edge_at(upper_at, w0, w1, w2, w3);
+        const attitude_real lower_slope = attitude_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const attitude_real lower_rate = lower_slope * 0.53333336F;
-        const int32_t upper_0 = at + 1;
-        const attitude_real upper_q0 = attitude_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const attitude_real upper_q1 = attitude_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const attitude_real upper_q2 = attitude_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const attitude_real upper_q3 = attitude_coefficients[upper_3];
-        const attitude_real upper_edge = attitude_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const attitude_real upper_slope = attitude_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const attitude_real upper_slope = attitude_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const attitude_real upper_rate = upper_slope * 0.53333336F;
-        const attitude_real filtered = lower_edge * 0.12F;
-        const attitude_real edge = lower_rate + filtered;
-        lower[i] = edge;
-        const attitude_real filtered2 = upper_edge * 0.12F;
-        const attitude_real edge2 = upper_rate + filtered2;
-        upper[i] = edge2;
+        const attitude_real lower_part = lower_edge * 0.12F;
+        const attitude_real z_lower = lower_rate + lower_part;
+        lower[i] = z_lower;
+        const attitude_real upper_part = upper_edge * 0.12F;
+        const attitude_real z_upper = upper_rate + upper_part;
+        upper[i] = z_upper;
     }
 }
 
@@ -406,18 +383,18 @@ attitude_status attitude_control(attitude_real t, const attitude_real x[ATTITUDE
         const attitude_real zeros = zero + x_zero;
         zero = zeros;
     }
-    attitude_real zero2 = zero;
-    for (int32_t j2 = 0; j2 < 3; ++j2) {
-        const attitude_real v_j = v[j2];
-        const attitude_real v_zero = v_j * 0.0F;
-        const attitude_real zeros2 = zero2 + v_zero;
-        zero2 = zeros2;
+    attitude_real v_zeros = zero;
+    for (int32_t k = 0; k < 3; ++k) {
+        const attitude_real v_k = v[k];
+        const attitude_real v_zero = v_k * 0.0F;
+        const attitude_real v_sum = v_zeros + v_zero;
+        v_zeros = v_sum;
     }
-    const bool finite = zero2 <= 0.0F;
+    const bool finite = v_zeros <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j3 = 0; j3 < 3; ++j3) {
-            u[j3] = 0.0F;
+        for (int32_t m = 0; m < 3; ++m) {
+            u[m] = 0.0F;
         }
         return ATTITUDE_BAD_INPUT;
     }
@@ -437,69 +414,55 @@ attitude_status attitude_control(attitude_real t, const attitude_real x[ATTITUDE
     bool outside = false;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const attitude_real lower_q0 = attitude_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const attitude_real lower_q1 = attitude_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const attitude_real lower_q2 = attitude_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const attitude_real lower_q3 = attitude_coefficients[lower_3];
-        const attitude_real lower_edge = attitude_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const attitude_real lower_slope = attitude_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const attitude_real lower_edge = attitude_edge_at(lower_at, w0, w1, w2, w3);
+        const attitude_real upper_edge = attitude_edge_at(upper_at, w0, w1, w2, w3);
+        const attitude_real lower_slope = attitude_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const attitude_real lower_rate = lower_slope * 0.53333336F;
-        const int32_t upper_0 = at + 1;
-        const attitude_real upper_q0 = attitude_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const attitude_real upper_q1 = attitude_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const attitude_real upper_q2 = attitude_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const attitude_real upper_q3 = attitude_coefficients[upper_3];
-        const attitude_real upper_edge = attitude_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const attitude_real upper_slope = attitude_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const attitude_real upper_slope = attitude_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const attitude_real upper_rate = upper_slope * 0.53333336F;
         const attitude_real x_i = x[i];
         const attitude_real v_i = v[i];
-        const attitude_real room = upper_edge - lower_edge;
+        const attitude_real width = upper_edge - lower_edge;
         const attitude_real to_lower = x_i - lower_edge;
         const attitude_real to_upper = upper_edge - x_i;
-        const attitude_real room2 = upper_rate - lower_rate;
-        const attitude_real to_lower2 = v_i - lower_rate;
-        const attitude_real to_upper2 = upper_rate - v_i;
+        const attitude_real v_width = upper_rate - lower_rate;
+        const attitude_real v_to_lower = v_i - lower_rate;
+        const attitude_real v_to_upper = upper_rate - v_i;
         const attitude_real gain_i = attitude_gain[i];
         const attitude_real gain_minus = -gain_i;
-        const attitude_real filtered = room * 0.12F;
-        const attitude_real room3 = room2 + filtered;
-        const attitude_real filtered2 = to_lower * 0.12F;
-        const attitude_real to_lower3 = to_lower2 + filtered2;
-        const attitude_real filtered3 = to_upper * 0.12F;
-        const attitude_real to_upper3 = to_upper2 + filtered3;
-        const bool upper_nearer = to_upper3 < to_lower3;
-        const attitude_real nearest = upper_nearer ? to_upper3 : to_lower3;
+        const attitude_real width_part = width * 0.12F;
+        const attitude_real z_width = v_width + width_part;
+        const attitude_real lower_part = to_lower * 0.12F;
+        const attitude_real z_to_lower = v_to_lower + lower_part;
+        const attitude_real upper_part = to_upper * 0.12F;
+        const attitude_real z_to_upper = v_to_upper + upper_part;
+        const bool upper_nearer = z_to_upper < z_to_lower;
+        const attitude_real distance = upper_nearer ? z_to_upper : z_to_lower;
         const attitude_real gain = upper_nearer ? gain_minus : gain_i;
-        const attitude_real least = room3 * 0.005F;
-        const bool clear = least < nearest;
-        const attitude_real near = clear ? nearest : least;
-        const attitude_real far = room3 - near;
-        const bool over = 0.0F < to_lower;
-        const bool under = 0.0F < to_upper;
-        const bool between = over && under;
-        const bool within = 0.0F < nearest;
-        const bool inside = within && between;
-        const bool outside_any = inside ? outside : true;
+        const attitude_real smallest = z_width * 0.005F;
+        const bool clear = smallest < distance;
+        const attitude_real to_nearer = clear ? distance : smallest;
+        const attitude_real to_farther = z_width - to_nearer;
+        const bool x_above = 0.0F < to_lower;
+        const bool x_below = 0.0F < to_upper;
+        const bool x_inside = x_above && x_below;
+        const bool z_inside = 0.0F < distance;
+        const bool inside = z_inside && x_inside;
+        const bool outside_next = inside ? outside : true;
         const attitude_real u_limit = attitude_u_max[i];
         attitude_real epsilon;
         attitude_real xi;
-        attitude_transformed_error(near, far, &epsilon, &xi);
-        const attitude_real push = attitude_law(gain, xi, epsilon);
+        attitude_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const attitude_real u_i = attitude_law(gain, xi, epsilon);
         const attitude_real u_min = -u_limit;
-        const bool u_held_above = u_min < push;
-        const attitude_real u_held_raised = u_held_above ? push : u_min;
-        const bool u_held_over = u_limit < u_held_raised;
-        const attitude_real u_held = u_held_over ? u_limit : u_held_raised;
-        u[i] = u_held;
-        outside = outside_any;
+        const bool u_above = u_min < u_i;
+        const attitude_real u_raised = u_above ? u_i : u_min;
+        const bool u_beyond = u_limit < u_raised;
+        const attitude_real u_limited = u_beyond ? u_limit : u_raised;
+        u[i] = u_limited;
+        outside = outside_next;
     }
     return outside ? ATTITUDE_OUTSIDE_TUBE : ATTITUDE_OK;
 }
@@ -515,14 +478,14 @@ attitude_real attitude_margin(attitude_real t, const attitude_real x[ATTITUDE_N]
         const attitude_real zeros = zero + x_zero;
         zero = zeros;
     }
-    attitude_real zero2 = zero;
-    for (int32_t j2 = 0; j2 < 3; ++j2) {
-        const attitude_real v_j = v[j2];
-        const attitude_real v_zero = v_j * 0.0F;
-        const attitude_real zeros2 = zero2 + v_zero;
-        zero2 = zeros2;
+    attitude_real v_zeros = zero;
+    for (int32_t k = 0; k < 3; ++k) {
+        const attitude_real v_k = v[k];
+        const attitude_real v_zero = v_k * 0.0F;
+        const attitude_real v_sum = v_zeros + v_zero;
+        v_zeros = v_sum;
     }
-    const bool finite = zero2 <= 0.0F;
+    const bool finite = v_zeros <= 0.0F;
     const bool bad = !finite;
     if (bad) {
         return (attitude_real)NAN;
@@ -543,56 +506,42 @@ attitude_real attitude_margin(attitude_real t, const attitude_real x[ATTITUDE_N]
     attitude_real margin = 0.5F;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const attitude_real lower_q0 = attitude_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const attitude_real lower_q1 = attitude_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const attitude_real lower_q2 = attitude_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const attitude_real lower_q3 = attitude_coefficients[lower_3];
-        const attitude_real lower_edge = attitude_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const attitude_real lower_slope = attitude_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const attitude_real lower_edge = attitude_edge_at(lower_at, w0, w1, w2, w3);
+        const attitude_real upper_edge = attitude_edge_at(upper_at, w0, w1, w2, w3);
+        const attitude_real lower_slope = attitude_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const attitude_real lower_rate = lower_slope * 0.53333336F;
-        const int32_t upper_0 = at + 1;
-        const attitude_real upper_q0 = attitude_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const attitude_real upper_q1 = attitude_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const attitude_real upper_q2 = attitude_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const attitude_real upper_q3 = attitude_coefficients[upper_3];
-        const attitude_real upper_edge = attitude_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const attitude_real upper_slope = attitude_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const attitude_real upper_slope = attitude_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const attitude_real upper_rate = upper_slope * 0.53333336F;
         const attitude_real x_i = x[i];
         const attitude_real v_i = v[i];
-        const attitude_real room = upper_edge - lower_edge;
+        const attitude_real width = upper_edge - lower_edge;
         const attitude_real to_lower = x_i - lower_edge;
         const attitude_real to_upper = upper_edge - x_i;
-        const attitude_real room2 = upper_rate - lower_rate;
-        const attitude_real to_lower2 = v_i - lower_rate;
-        const attitude_real to_upper2 = upper_rate - v_i;
-        const attitude_real filtered = room * 0.12F;
-        const attitude_real room3 = room2 + filtered;
-        const attitude_real filtered2 = to_lower * 0.12F;
-        const attitude_real to_lower3 = to_lower2 + filtered2;
-        const attitude_real filtered3 = to_upper * 0.12F;
-        const attitude_real to_upper3 = to_upper2 + filtered3;
-        const bool upper_nearer = to_upper3 < to_lower3;
-        const attitude_real nearest = upper_nearer ? to_upper3 : to_lower3;
-        const attitude_real share = nearest / room3;
-        const bool beyond = share < (-1.0F);
-        const attitude_real held_share = beyond ? (-1.0F) : share;
-        const bool upper_nearer2 = to_upper < to_lower;
-        const attitude_real nearest2 = upper_nearer2 ? to_upper : to_lower;
-        const attitude_real share2 = nearest2 / room;
-        const bool beyond2 = share2 < (-1.0F);
-        const attitude_real held_share2 = beyond2 ? (-1.0F) : share2;
-        const bool filtered_less = held_share < held_share2;
-        const attitude_real lesser = filtered_less ? held_share : held_share2;
-        const bool less = lesser < margin;
-        const attitude_real margin_next = less ? lesser : margin;
+        const attitude_real v_width = upper_rate - lower_rate;
+        const attitude_real v_to_lower = v_i - lower_rate;
+        const attitude_real v_to_upper = upper_rate - v_i;
+        const attitude_real width_part = width * 0.12F;
+        const attitude_real z_width = v_width + width_part;
+        const attitude_real lower_part = to_lower * 0.12F;
+        const attitude_real z_to_lower = v_to_lower + lower_part;
+        const attitude_real upper_part = to_upper * 0.12F;
+        const attitude_real z_to_upper = v_to_upper + upper_part;
+        const bool z_nearer = z_to_upper < z_to_lower;
+        const attitude_real z_distance = z_nearer ? z_to_upper : z_to_lower;
+        const attitude_real z_share = z_distance / z_width;
+        const bool z_beyond = z_share < (-1.0F);
+        const attitude_real margin_z = z_beyond ? (-1.0F) : z_share;
+        const bool x_nearer = to_upper < to_lower;
+        const attitude_real x_distance = x_nearer ? to_upper : to_lower;
+        const attitude_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const attitude_real margin_x = x_beyond ? (-1.0F) : x_share;
+        const bool x_smaller = margin_x < margin_z;
+        const attitude_real smaller = x_smaller ? margin_x : margin_z;
+        const bool less = smaller < margin;
+        const attitude_real margin_next = less ? smaller : margin;
         margin = margin_next;
     }
     return margin;
@@ -624,55 +573,41 @@ void attitude_margins(attitude_real t, const attitude_real x[ATTITUDE_N], const 
     attitude_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const attitude_real lower_q0 = attitude_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const attitude_real lower_q1 = attitude_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const attitude_real lower_q2 = attitude_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const attitude_real lower_q3 = attitude_coefficients[lower_3];
-        const attitude_real lower_edge = attitude_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const attitude_real lower_slope = attitude_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const attitude_real lower_edge = attitude_edge_at(lower_at, w0, w1, w2, w3);
+        const attitude_real upper_edge = attitude_edge_at(upper_at, w0, w1, w2, w3);
+        const attitude_real lower_slope = attitude_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const attitude_real lower_rate = lower_slope * 0.53333336F;
-        const int32_t upper_0 = at + 1;
-        const attitude_real upper_q0 = attitude_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const attitude_real upper_q1 = attitude_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const attitude_real upper_q2 = attitude_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const attitude_real upper_q3 = attitude_coefficients[upper_3];
-        const attitude_real upper_edge = attitude_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const attitude_real upper_slope = attitude_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const attitude_real upper_slope = attitude_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const attitude_real upper_rate = upper_slope * 0.53333336F;
         const attitude_real x_i = x[i];
         const attitude_real v_i = v[i];
-        const attitude_real room = upper_edge - lower_edge;
+        const attitude_real width = upper_edge - lower_edge;
         const attitude_real to_lower = x_i - lower_edge;
         const attitude_real to_upper = upper_edge - x_i;
-        const attitude_real room2 = upper_rate - lower_rate;
-        const attitude_real to_lower2 = v_i - lower_rate;
-        const attitude_real to_upper2 = upper_rate - v_i;
-        const attitude_real filtered = room * 0.12F;
-        const attitude_real room3 = room2 + filtered;
-        const attitude_real filtered2 = to_lower * 0.12F;
-        const attitude_real to_lower3 = to_lower2 + filtered2;
-        const attitude_real filtered3 = to_upper * 0.12F;
-        const attitude_real to_upper3 = to_upper2 + filtered3;
-        const bool upper_nearer = to_upper3 < to_lower3;
-        const attitude_real nearest = upper_nearer ? to_upper3 : to_lower3;
-        const attitude_real share = nearest / room3;
-        const bool beyond = share < (-1.0F);
-        const attitude_real held_share = beyond ? (-1.0F) : share;
-        const bool upper_nearer2 = to_upper < to_lower;
-        const attitude_real nearest2 = upper_nearer2 ? to_upper : to_lower;
-        const attitude_real share2 = nearest2 / room;
-        const bool beyond2 = share2 < (-1.0F);
-        const attitude_real held_share2 = beyond2 ? (-1.0F) : share2;
-        const bool filtered_less = held_share < held_share2;
-        const attitude_real lesser = filtered_less ? held_share : held_share2;
-        margin[i] = lesser;
+        const attitude_real v_width = upper_rate - lower_rate;
+        const attitude_real v_to_lower = v_i - lower_rate;
+        const attitude_real v_to_upper = upper_rate - v_i;
+        const attitude_real width_part = width * 0.12F;
+        const attitude_real z_width = v_width + width_part;
+        const attitude_real lower_part = to_lower * 0.12F;
+        const attitude_real z_to_lower = v_to_lower + lower_part;
+        const attitude_real upper_part = to_upper * 0.12F;
+        const attitude_real z_to_upper = v_to_upper + upper_part;
+        const bool z_nearer = z_to_upper < z_to_lower;
+        const attitude_real z_distance = z_nearer ? z_to_upper : z_to_lower;
+        const attitude_real z_share = z_distance / z_width;
+        const bool z_beyond = z_share < (-1.0F);
+        const attitude_real margin_z = z_beyond ? (-1.0F) : z_share;
+        const bool x_nearer = to_upper < to_lower;
+        const attitude_real x_distance = x_nearer ? to_upper : to_lower;
+        const attitude_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const attitude_real margin_x = x_beyond ? (-1.0F) : x_share;
+        const bool x_smaller = margin_x < margin_z;
+        const attitude_real smaller = x_smaller ? margin_x : margin_z;
+        margin[i] = smaller;
     }
 }
 
@@ -681,20 +616,20 @@ bool attitude_covered(const attitude_real x[ATTITUDE_N], const attitude_real v[A
     bool covered = true;
     for (int32_t i = 0; i < 3; ++i) {
         const attitude_real x_i = x[i];
-        const attitude_real start_lower_i = attitude_start_lower[i];
-        const attitude_real start_upper_i = attitude_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const attitude_real filtered = x_i * 0.12F;
+        const attitude_real x_lower = attitude_start_lower[i];
+        const attitude_real x_upper = attitude_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const attitude_real x_part = x_i * 0.12F;
         const attitude_real v_i = v[i];
-        const attitude_real z = v_i + filtered;
-        const attitude_real filtered_start_lower_i = attitude_filtered_start_lower[i];
-        const attitude_real filtered_start_upper_i = attitude_filtered_start_upper[i];
-        const bool z_after = filtered_start_lower_i < z;
-        const bool z_before = z < filtered_start_upper_i;
-        const bool z_between = z_after && z_before;
-        const bool inside = x_i_between && z_between;
+        const attitude_real z_i = v_i + x_part;
+        const attitude_real z_lower = attitude_filtered_start_lower[i];
+        const attitude_real z_upper = attitude_filtered_start_upper[i];
+        const bool z_above = z_lower < z_i;
+        const bool z_below = z_i < z_upper;
+        const bool z_inside = z_above && z_below;
+        const bool inside = x_inside && z_inside;
         const bool covered_next = inside ? covered : false;
         covered = covered_next;
     }
@@ -709,46 +644,46 @@ void attitude_transform(const attitude_real lower[ATTITUDE_N], const attitude_re
         const attitude_real lower_edge = lower[i];
         const attitude_real upper_edge = upper[i];
         const attitude_real x_i = x[i];
-        const attitude_real room = upper_edge - lower_edge;
-        const bool filled = 0.0F < room;
+        const attitude_real width = upper_edge - lower_edge;
+        const bool filled = 0.0F < width;
         const bool empty = !filled;
-        const bool wide = 9.536743e-7F < room;
-        const attitude_real width = wide ? room : 9.536743e-7F;
+        const bool wide = 9.536743e-7F < width;
+        const attitude_real safe_width = wide ? width : 9.536743e-7F;
         const attitude_real to_lower = x_i - lower_edge;
         const attitude_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const attitude_real nearest = upper_nearer ? to_upper : to_lower;
-        const attitude_real gain = upper_nearer ? (-1.0F) : 1.0F;
-        const attitude_real least = width * 0.005F;
-        const attitude_real widened = width - room;
-        const attitude_real spare = widened * 0.5F;
-        const attitude_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const attitude_real distance = upper_nearer ? to_upper : to_lower;
+        const attitude_real sign = upper_nearer ? (-1.0F) : 1.0F;
+        const attitude_real smallest = safe_width * 0.005F;
+        const attitude_real widened = safe_width - width;
+        const attitude_real half = widened * 0.5F;
+        const attitude_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const attitude_real near = clear ? distance : least;
-        const attitude_real far = width - near;
-        const attitude_real a = upper_nearer ? far : near;
-        const attitude_real b = upper_nearer ? near : far;
-        const attitude_real e_raw = attitude_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99F) < e_raw;
-        const attitude_real e_held_raised = e_held_above ? e_raw : (-0.99F);
-        const bool e_held_over = 0.99F < e_held_raised;
-        const attitude_real e_held = e_held_over ? 0.99F : e_held_raised;
-        attitude_real epsilon_near;
+        const attitude_real to_nearer = clear ? safe_distance : smallest;
+        const attitude_real to_farther = safe_width - to_nearer;
+        const attitude_real a = upper_nearer ? to_farther : to_nearer;
+        const attitude_real b = upper_nearer ? to_nearer : to_farther;
+        const attitude_real e_i = attitude_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99F) < e_i;
+        const attitude_real e_raised = e_above ? e_i : (-0.99F);
+        const bool e_beyond = 0.99F < e_raised;
+        const attitude_real e_limited = e_beyond ? 0.99F : e_raised;
+        attitude_real epsilon_nearer;
         attitude_real xi_i;
-        attitude_transformed_error(near, far, &epsilon_near, &xi_i);
-        const attitude_real epsilon_i = gain * epsilon_near;
+        attitude_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const attitude_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const attitude_real e_settled = empty ? 0.0F : e_held;
-        const attitude_real e_out = finite ? e_settled : (attitude_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const attitude_real e_or_zero = empty ? 0.0F : e_limited;
+        const attitude_real e_out = finite ? e_or_zero : (attitude_real)NAN;
         e[i] = e_out;
-        const attitude_real epsilon_settled = empty ? 0.0F : epsilon_i;
-        const attitude_real epsilon_out = finite ? epsilon_settled : (attitude_real)NAN;
+        const attitude_real epsilon_or_zero = empty ? 0.0F : epsilon_i;
+        const attitude_real epsilon_out = finite ? epsilon_or_zero : (attitude_real)NAN;
         epsilon[i] = epsilon_out;
-        const attitude_real xi_settled = empty ? 0.0F : xi_i;
-        const attitude_real xi_out = finite ? xi_settled : (attitude_real)NAN;
+        const attitude_real xi_or_zero = empty ? 0.0F : xi_i;
+        const attitude_real xi_out = finite ? xi_or_zero : (attitude_real)NAN;
         xi[i] = xi_out;
     }
 }

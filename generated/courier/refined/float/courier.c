@@ -16,11 +16,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "courier.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "courier.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "courier.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "courier.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 64 + 3 points:
@@ -176,10 +187,19 @@ static inline void courier_basis_rate(courier_real s, courier_real *dw0, courier
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline courier_real courier_blend(courier_real w0, courier_real w1, courier_real w2, courier_real w3,
-                                         courier_real q0, courier_real q1, courier_real q2, courier_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline courier_real courier_edge_at(int32_t at, courier_real w0, courier_real w1, courier_real w2,
+                                           courier_real w3)
 {
+    const courier_real q0 = courier_coefficients[at];
+    const int32_t at_1 = at + 4;
+    const courier_real q1 = courier_coefficients[at_1];
+    const int32_t at_2 = at + 8;
+    const courier_real q2 = courier_coefficients[at_2];
+    const int32_t at_3 = at + 12;
+    const courier_real q3 = courier_coefficients[at_3];
     const courier_real v0 = w0 * q0;
     const courier_real v1 = w1 * q1;
     const courier_real v2 = v0 + v1;
@@ -241,25 +261,11 @@ void courier_tube(courier_real t, courier_real lower[COURIER_N], courier_real up
     courier_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const courier_real lower_q0 = courier_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const courier_real lower_q1 = courier_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const courier_real lower_q2 = courier_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const courier_real lower_q3 = courier_coefficients[lower_3];
-        const courier_real lower_edge = courier_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const courier_real lower_edge = courier_edge_at(lower_at, w0, w1, w2, w3);
+        const courier_real upper_edge = courier_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const courier_real upper_q0 = courier_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const courier_real upper_q1 = courier_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const courier_real upper_q2 = courier_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const courier_real upper_q3 = courier_coefficients[upper_3];
-        const courier_real upper_edge = courier_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -287,27 +293,13 @@ void courier_tube_rate(courier_real t, courier_real lower_rate[COURIER_N], couri
     const courier_real per_second = moving ? 2.6666667F : 0.0F;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const courier_real lower_q0 = courier_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const courier_real lower_q1 = courier_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const courier_real lower_q2 = courier_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const courier_real lower_q3 = courier_coefficients[lower_3];
-        const courier_real lower_slope = courier_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const courier_real lower_slope = courier_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const courier_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const courier_real upper_q0 = courier_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const courier_real upper_q1 = courier_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const courier_real upper_q2 = courier_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const courier_real upper_q3 = courier_coefficients[upper_3];
-        const courier_real upper_slope = courier_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const courier_real upper_slope = courier_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const courier_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -325,8 +317,8 @@ courier_status courier_control(courier_real t, const courier_real x[COURIER_N], 
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0F;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0F;
         }
         return COURIER_BAD_INPUT;
     }
@@ -341,43 +333,29 @@ courier_status courier_control(courier_real t, const courier_real x[COURIER_N], 
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const courier_real lower_q0 = courier_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const courier_real lower_q1 = courier_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const courier_real lower_q2 = courier_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const courier_real lower_q3 = courier_coefficients[lower_3];
-        const courier_real lower_edge = courier_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const courier_real upper_q0 = courier_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const courier_real upper_q1 = courier_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const courier_real upper_q2 = courier_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const courier_real upper_q3 = courier_coefficients[upper_3];
-        const courier_real upper_edge = courier_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const courier_real lower_edge = courier_edge_at(lower_at, w0, w1, w2, w3);
+        const courier_real upper_edge = courier_edge_at(upper_at, w0, w1, w2, w3);
         const courier_real x_i = x[i];
-        const courier_real room = upper_edge - lower_edge;
+        const courier_real width = upper_edge - lower_edge;
         const courier_real to_lower = x_i - lower_edge;
         const courier_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const courier_real nearest = upper_nearer ? to_upper : to_lower;
+        const courier_real distance = upper_nearer ? to_upper : to_lower;
         const courier_real gain = upper_nearer ? (-0.5F) : 0.5F;
-        const courier_real least = room * 0.005F;
-        const bool clear = least < nearest;
-        const courier_real near = clear ? nearest : least;
-        const courier_real far = room - near;
-        const bool within = 0.0F < nearest;
-        const bool outside_any = within ? outside : true;
+        const courier_real smallest = width * 0.005F;
+        const bool clear = smallest < distance;
+        const courier_real to_nearer = clear ? distance : smallest;
+        const courier_real to_farther = width - to_nearer;
+        const bool inside = 0.0F < distance;
+        const bool outside_next = inside ? outside : true;
         courier_real epsilon;
         courier_real xi;
-        courier_transformed_error(near, far, &epsilon, &xi);
-        const courier_real push = courier_law(gain, xi, epsilon);
-        u[i] = push;
-        outside = outside_any;
+        courier_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const courier_real u_i = courier_law(gain, xi, epsilon);
+        u[i] = u_i;
+        outside = outside_next;
     }
     return outside ? COURIER_OUTSIDE_TUBE : COURIER_OK;
 }
@@ -408,35 +386,21 @@ courier_real courier_margin(courier_real t, const courier_real x[COURIER_N])
     courier_real margin = 0.5F;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const courier_real lower_q0 = courier_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const courier_real lower_q1 = courier_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const courier_real lower_q2 = courier_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const courier_real lower_q3 = courier_coefficients[lower_3];
-        const courier_real lower_edge = courier_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const courier_real upper_q0 = courier_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const courier_real upper_q1 = courier_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const courier_real upper_q2 = courier_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const courier_real upper_q3 = courier_coefficients[upper_3];
-        const courier_real upper_edge = courier_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const courier_real lower_edge = courier_edge_at(lower_at, w0, w1, w2, w3);
+        const courier_real upper_edge = courier_edge_at(upper_at, w0, w1, w2, w3);
         const courier_real x_i = x[i];
-        const courier_real room = upper_edge - lower_edge;
+        const courier_real width = upper_edge - lower_edge;
         const courier_real to_lower = x_i - lower_edge;
         const courier_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const courier_real nearest = upper_nearer ? to_upper : to_lower;
-        const courier_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const courier_real held_share = beyond ? (-1.0F) : share;
-        const bool less = held_share < margin;
-        const courier_real margin_next = less ? held_share : margin;
+        const bool x_nearer = to_upper < to_lower;
+        const courier_real x_distance = x_nearer ? to_upper : to_lower;
+        const courier_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const courier_real margin_x = x_beyond ? (-1.0F) : x_share;
+        const bool less = margin_x < margin;
+        const courier_real margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -462,34 +426,20 @@ void courier_margins(courier_real t, const courier_real x[COURIER_N], courier_re
     courier_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const courier_real lower_q0 = courier_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const courier_real lower_q1 = courier_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const courier_real lower_q2 = courier_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const courier_real lower_q3 = courier_coefficients[lower_3];
-        const courier_real lower_edge = courier_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const courier_real upper_q0 = courier_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const courier_real upper_q1 = courier_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const courier_real upper_q2 = courier_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const courier_real upper_q3 = courier_coefficients[upper_3];
-        const courier_real upper_edge = courier_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const courier_real lower_edge = courier_edge_at(lower_at, w0, w1, w2, w3);
+        const courier_real upper_edge = courier_edge_at(upper_at, w0, w1, w2, w3);
         const courier_real x_i = x[i];
-        const courier_real room = upper_edge - lower_edge;
+        const courier_real width = upper_edge - lower_edge;
         const courier_real to_lower = x_i - lower_edge;
         const courier_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const courier_real nearest = upper_nearer ? to_upper : to_lower;
-        const courier_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const courier_real held_share = beyond ? (-1.0F) : share;
-        margin[i] = held_share;
+        const bool x_nearer = to_upper < to_lower;
+        const courier_real x_distance = x_nearer ? to_upper : to_lower;
+        const courier_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const courier_real margin_x = x_beyond ? (-1.0F) : x_share;
+        margin[i] = margin_x;
     }
 }
 
@@ -498,12 +448,12 @@ bool courier_covered(const courier_real x[COURIER_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const courier_real x_i = x[i];
-        const courier_real start_lower_i = courier_start_lower[i];
-        const courier_real start_upper_i = courier_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const courier_real x_lower = courier_start_lower[i];
+        const courier_real x_upper = courier_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;
@@ -517,46 +467,46 @@ void courier_transform(const courier_real lower[COURIER_N], const courier_real u
         const courier_real lower_edge = lower[i];
         const courier_real upper_edge = upper[i];
         const courier_real x_i = x[i];
-        const courier_real room = upper_edge - lower_edge;
-        const bool filled = 0.0F < room;
+        const courier_real width = upper_edge - lower_edge;
+        const bool filled = 0.0F < width;
         const bool empty = !filled;
-        const bool wide = 9.536743e-7F < room;
-        const courier_real width = wide ? room : 9.536743e-7F;
+        const bool wide = 9.536743e-7F < width;
+        const courier_real safe_width = wide ? width : 9.536743e-7F;
         const courier_real to_lower = x_i - lower_edge;
         const courier_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const courier_real nearest = upper_nearer ? to_upper : to_lower;
-        const courier_real gain = upper_nearer ? (-1.0F) : 1.0F;
-        const courier_real least = width * 0.005F;
-        const courier_real widened = width - room;
-        const courier_real spare = widened * 0.5F;
-        const courier_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const courier_real distance = upper_nearer ? to_upper : to_lower;
+        const courier_real sign = upper_nearer ? (-1.0F) : 1.0F;
+        const courier_real smallest = safe_width * 0.005F;
+        const courier_real widened = safe_width - width;
+        const courier_real half = widened * 0.5F;
+        const courier_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const courier_real near = clear ? distance : least;
-        const courier_real far = width - near;
-        const courier_real a = upper_nearer ? far : near;
-        const courier_real b = upper_nearer ? near : far;
-        const courier_real e_raw = courier_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99F) < e_raw;
-        const courier_real e_held_raised = e_held_above ? e_raw : (-0.99F);
-        const bool e_held_over = 0.99F < e_held_raised;
-        const courier_real e_held = e_held_over ? 0.99F : e_held_raised;
-        courier_real epsilon_near;
+        const courier_real to_nearer = clear ? safe_distance : smallest;
+        const courier_real to_farther = safe_width - to_nearer;
+        const courier_real a = upper_nearer ? to_farther : to_nearer;
+        const courier_real b = upper_nearer ? to_nearer : to_farther;
+        const courier_real e_i = courier_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99F) < e_i;
+        const courier_real e_raised = e_above ? e_i : (-0.99F);
+        const bool e_beyond = 0.99F < e_raised;
+        const courier_real e_limited = e_beyond ? 0.99F : e_raised;
+        courier_real epsilon_nearer;
         courier_real xi_i;
-        courier_transformed_error(near, far, &epsilon_near, &xi_i);
-        const courier_real epsilon_i = gain * epsilon_near;
+        courier_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const courier_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const courier_real e_settled = empty ? 0.0F : e_held;
-        const courier_real e_out = finite ? e_settled : (courier_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const courier_real e_or_zero = empty ? 0.0F : e_limited;
+        const courier_real e_out = finite ? e_or_zero : (courier_real)NAN;
         e[i] = e_out;
-        const courier_real epsilon_settled = empty ? 0.0F : epsilon_i;
-        const courier_real epsilon_out = finite ? epsilon_settled : (courier_real)NAN;
+        const courier_real epsilon_or_zero = empty ? 0.0F : epsilon_i;
+        const courier_real epsilon_out = finite ? epsilon_or_zero : (courier_real)NAN;
         epsilon[i] = epsilon_out;
-        const courier_real xi_settled = empty ? 0.0F : xi_i;
-        const courier_real xi_out = finite ? xi_settled : (courier_real)NAN;
+        const courier_real xi_or_zero = empty ? 0.0F : xi_i;
+        const courier_real xi_out = finite ? xi_or_zero : (courier_real)NAN;
         xi[i] = xi_out;
     }
 }

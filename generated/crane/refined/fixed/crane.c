@@ -28,65 +28,65 @@
 #define CRANE_READ_32(entry) ((int32_t)(entry))
 #endif
 
-/* A negative number moves right as if by a division that rounds down: C leaves that to the compiler. */
+/* A negative number is shifted right as if by a division that rounds down: C leaves that to the compiler. */
 typedef char crane_shifts_down[((-3) >> 1 == -2) ? 1 : -1];
 
 #if defined(__AVR__)
 /* a / 2^n rounded down, and a 2^n of a >= 0, by bytes first. */
-static inline int32_t crane_down(int32_t a, int32_t n)
+static inline int32_t crane_shift_down(int32_t a, int32_t n)
 {
-    int32_t rest = a;
+    int32_t shifted = a;
     if (__builtin_constant_p(n) && (n >= 16)) {
         return (int16_t)(a >> 16) >> (n - 16);
     }
     if (__builtin_constant_p(n) && (n > 12)) {
         return ((a >> 16) * ((int32_t)1 << (16 - n))) + (int32_t)((uint16_t)a >> n);
     }
-    if (((uint8_t)n & 16U) != 0U) { rest >>= 16; }
-    if (((uint8_t)n & 8U) != 0U) { rest >>= 8; }
-    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { rest >>= 1; }
-    return rest;
+    if (((uint8_t)n & 16U) != 0U) { shifted >>= 16; }
+    if (((uint8_t)n & 8U) != 0U) { shifted >>= 8; }
+    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { shifted >>= 1; }
+    return shifted;
 }
 
-static inline int32_t crane_up(int32_t a, int32_t n)
+static inline int32_t crane_shift_up(int32_t a, int32_t n)
 {
-    uint32_t rest = (uint32_t)a;
-    if (((uint8_t)n & 16U) != 0U) { rest <<= 16; }
-    if (((uint8_t)n & 8U) != 0U) { rest <<= 8; }
-    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { rest <<= 1; }
-    rest &= 0x7fffffffU;
-    return (int32_t)rest;
+    uint32_t shifted = (uint32_t)a;
+    if (((uint8_t)n & 16U) != 0U) { shifted <<= 16; }
+    if (((uint8_t)n & 8U) != 0U) { shifted <<= 8; }
+    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { shifted <<= 1; }
+    shifted &= 0x7fffffffU;
+    return (int32_t)shifted;
 }
 
 /* a b, a of 16 bits with a sign, b of 16 without one. */
 static inline int32_t crane_product(int32_t a, int32_t b)
 {
-    int16_t own = (int16_t)a;
-    uint16_t other = (uint16_t)b;
-    __asm__("" : "+r"(own), "+r"(other));
-    return (int32_t)own * (int32_t)other;
+    int16_t signed_half = (int16_t)a;
+    uint16_t unsigned_half = (uint16_t)b;
+    __asm__("" : "+r"(signed_half), "+r"(unsigned_half));
+    return (int32_t)signed_half * (int32_t)unsigned_half;
 }
 
 /* a b / 2^16 rounded down, for 0 <= b < 2^16. */
-static inline int32_t crane_upper(int32_t a, int32_t b)
+static inline int32_t crane_high_product(int32_t a, int32_t b)
 {
-    uint16_t own = (uint16_t)a;
-    uint16_t other = (uint16_t)b;
-    __asm__("" : "+r"(own), "+r"(other));
-    const uint32_t low = (uint32_t)own * other;
-    return crane_product(a >> 16, b) + (int32_t)(low >> 16);
+    uint16_t low_half = (uint16_t)a;
+    uint16_t unsigned_half = (uint16_t)b;
+    __asm__("" : "+r"(low_half), "+r"(unsigned_half));
+    const uint32_t low_part = (uint32_t)low_half * unsigned_half;
+    return crane_product(a >> 16, b) + (int32_t)(low_part >> 16);
 }
 #else
 /* a / 2^n rounded down, and a 2^n of a >= 0. */
-static inline int32_t crane_down(int32_t a, int32_t n)
+static inline int32_t crane_shift_down(int32_t a, int32_t n)
 {
     return a >> n;
 }
 
-static inline int32_t crane_up(int32_t a, int32_t n)
+static inline int32_t crane_shift_up(int32_t a, int32_t n)
 {
-    const uint32_t moved = ((uint32_t)a << (uint32_t)n) & 0x7fffffffU;
-    return (int32_t)moved;
+    const uint32_t shifted = ((uint32_t)a << (uint32_t)n) & 0x7fffffffU;
+    return (int32_t)shifted;
 }
 
 /* a b, a of 16 bits with a sign, b of 16 without one. */
@@ -96,28 +96,28 @@ static inline int32_t crane_product(int32_t a, int32_t b)
 }
 
 /* a b / 2^16 rounded down, for 0 <= b < 2^16. */
-static inline int32_t crane_upper(int32_t a, int32_t b)
+static inline int32_t crane_high_product(int32_t a, int32_t b)
 {
-    const uint32_t low = ((uint32_t)a & 0xffffU) * (uint32_t)b;
-    return (crane_down(a, 16) * b) + (int32_t)(low >> 16);
+    const uint32_t low_part = ((uint32_t)a & 0xffffU) * (uint32_t)b;
+    return (crane_shift_down(a, 16) * b) + (int32_t)(low_part >> 16);
 }
 #endif
 
-/* By how many places the bits of a > 0 can move up. */
+/* By how many bits a > 0 can be shifted up to [2^30, 2^31). */
 static inline int32_t crane_leading(int32_t a)
 {
-    uint32_t rest = (uint32_t)a;
-    int32_t places = 0;
-    if (rest < 0x8000U) { rest <<= 16; places = 16; }
-    if (rest < 0x800000U) { rest <<= 8; places += 8; }
-    if (rest < 0x8000000U) { rest <<= 4; places += 4; }
-    if (rest < 0x20000000U) { rest <<= 2; places += 2; }
-    if (rest < 0x40000000U) { places += 1; }
-    return places;
+    uint32_t shifted = (uint32_t)a;
+    int32_t shift = 0;
+    if (shifted < 0x8000U) { shifted <<= 16; shift = 16; }
+    if (shifted < 0x800000U) { shifted <<= 8; shift += 8; }
+    if (shifted < 0x8000000U) { shifted <<= 4; shift += 4; }
+    if (shifted < 0x20000000U) { shifted <<= 2; shift += 2; }
+    if (shifted < 0x40000000U) { shift += 1; }
+    return shift;
 }
 
 /* a mod 2^k, mask being 2^k - 1. */
-static inline int32_t crane_low(int32_t a, int32_t mask)
+static inline int32_t crane_low_bits(int32_t a, int32_t mask)
 {
     const uint32_t bits = (uint32_t)a & (uint32_t)mask;
     return (int32_t)bits;
@@ -168,7 +168,7 @@ static const uint16_t crane_filters[2] CRANE_FLASH = {
 };
 
 /* Quadratics level - (slope - bend t) t, by row: 16 for 1/d, d in [2^30, 2^31), then
- * 8 for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)), which also moves up, by:
+ * 8 for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)).
  */
 static const uint16_t crane_levels[72] CRANE_FLASH = {
     65535,
@@ -395,7 +395,8 @@ static const uint16_t crane_bends[72] CRANE_FLASH = {
     451
 };
 
-static const uint8_t crane_places[72] CRANE_FLASH = {
+/* By row: H is its quadratic times 2 to this power, and a common one. */
+static const uint8_t crane_h_shifts[72] CRANE_FLASH = {
     0,
     0,
     0,
@@ -475,8 +476,8 @@ static const uint16_t crane_gains[2] CRANE_FLASH = {
     34341, 33161
 };
 
-/* By how many places less u moves up. */
-static const uint8_t crane_offsets[2] CRANE_FLASH = {
+/* The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row. */
+static const uint8_t crane_shift_offsets[2] CRANE_FLASH = {
     16, 16
 };
 
@@ -511,12 +512,12 @@ static inline void crane_segment(uint32_t tick, int32_t *row, int32_t *s)
     const bool running = tick < 2400U;
     const uint32_t held = running ? tick : 2400U;
     const int32_t count = (int32_t)held;
-    const int32_t count_low = crane_low(count, 65535);
-    const int32_t passed = crane_upper(57266231, count_low);
-    const bool place_under = passed < 2097151;
-    const int32_t place = place_under ? passed : 2097151;
-    const int32_t segment = crane_down(place, 16);
-    const int32_t share = crane_low(place, 65535);
+    const int32_t count_low = crane_low_bits(count, 65535);
+    const int32_t passed = crane_high_product(57266231, count_low);
+    const bool early = passed < 2097151;
+    const int32_t place = early ? passed : 2097151;
+    const int32_t segment = crane_shift_down(place, 16);
+    const int32_t share = crane_low_bits(place, 65535);
     const int32_t first = segment * 4;
     *row = first;
     *s = share;
@@ -525,105 +526,105 @@ static inline void crane_segment(uint32_t tick, int32_t *row, int32_t *s)
 /* At s: (1 - s)^3 and s^3 in 2^-15, 3 s + 3 s^2 - 2 s^3 in 2^-14. */
 static inline void crane_weights(int32_t s, int32_t *w0, int32_t *w1, int32_t *w2)
 {
-    const int32_t s_up = crane_up(s, 12);
-    const int32_t square = crane_upper(s_up, s);
-    const int32_t cube = crane_upper(square, s);
-    const int32_t sum = s_up + square;
-    const int32_t sum_3 = sum * 3;
-    const int32_t cube_2 = cube * 2;
-    const int32_t bend = sum_3 - cube_2;
-    const int32_t less = s_up - square;
-    const bool less_held_over = 0 < less;
-    const int32_t less_held = less_held_over ? less : 0;
-    const int32_t less_3 = less_held * 3;
-    const int32_t left_square = 268435456 - less_3;
-    const int32_t left = left_square - cube;
-    const bool bend_held_over = 0 < bend;
-    const int32_t bend_held = bend_held_over ? bend : 0;
-    const int32_t bend_near_half = bend_held + 8192;
-    const int32_t bend_near = crane_down(bend_near_half, 14);
-    const bool left_held_over = 0 < left;
-    const int32_t left_held = left_held_over ? left : 0;
-    const int32_t before_half = left_held + 4096;
-    const int32_t before = crane_down(before_half, 13);
-    const bool middle_under = bend_near < 65535;
-    const int32_t middle = middle_under ? bend_near : 65535;
-    const int32_t after_half = cube + 4096;
-    const int32_t after = crane_down(after_half, 13);
-    *w0 = before;
-    *w1 = middle;
-    *w2 = after;
+    const int32_t s_fine = crane_shift_up(s, 12);
+    const int32_t square = crane_high_product(s_fine, s);
+    const int32_t cube = crane_high_product(square, s);
+    const int32_t sum = s_fine + square;
+    const int32_t three_sums = sum * 3;
+    const int32_t two_cubes = cube * 2;
+    const int32_t middle = three_sums - two_cubes;
+    const int32_t difference = s_fine - square;
+    const bool difference_over = 0 < difference;
+    const int32_t difference_raised = difference_over ? difference : 0;
+    const int32_t three_differences = difference_raised * 3;
+    const int32_t first_and_cube = 268435456 - three_differences;
+    const int32_t first = first_and_cube - cube;
+    const bool middle_over = 0 < middle;
+    const int32_t middle_raised = middle_over ? middle : 0;
+    const int32_t middle_and_half = middle_raised + 8192;
+    const int32_t middle_rounded = crane_shift_down(middle_and_half, 14);
+    const bool first_over = 0 < first;
+    const int32_t first_raised = first_over ? first : 0;
+    const int32_t first_and_half = first_raised + 4096;
+    const int32_t first_weight = crane_shift_down(first_and_half, 13);
+    const bool middle_under = middle_rounded < 65535;
+    const int32_t middle_weight = middle_under ? middle_rounded : 65535;
+    const int32_t last_and_half = cube + 4096;
+    const int32_t last_weight = crane_shift_down(last_and_half, 13);
+    *w0 = first_weight;
+    *w1 = middle_weight;
+    *w2 = last_weight;
 }
 
 /* At s, in 2^-11 a second: 3 (1 - s)^2, 3 + 6 s (1 - s) and 3 s^2 times the segments in a second. */
 static inline void crane_rates(int32_t s, int32_t *r0, int32_t *r1, int32_t *r2)
 {
-    const int32_t s_up = crane_up(s, 12);
-    const int32_t square = crane_upper(s_up, s);
-    const int32_t less = s_up - square;
-    const bool less_held_over = 0 < less;
-    const int32_t less_held = less_held_over ? less : 0;
-    const bool less_most_under = less_held < 67108864;
-    const int32_t less_most = less_most_under ? less_held : 67108864;
-    const int32_t one_less = 268435456 - s_up;
-    const int32_t left = one_less - less_most;
-    const bool left_held_over = 0 < left;
-    const int32_t left_held = left_held_over ? left : 0;
-    const int32_t less_2 = less_most * 2;
-    const int32_t middle = 268435456 + less_2;
-    const int32_t before_3 = left_held * 3;
-    const int32_t before_second = crane_upper(before_3, 43690);
-    const int32_t before_half = before_second + 16384;
-    const int32_t before = crane_down(before_half, 15);
-    const int32_t between_3 = middle * 3;
-    const int32_t between_second = crane_upper(between_3, 43690);
-    const int32_t between_half = between_second + 16384;
-    const int32_t between = crane_down(between_half, 15);
-    const int32_t after_3 = square * 3;
-    const int32_t after_second = crane_upper(after_3, 43690);
-    const int32_t after_half = after_second + 16384;
-    const int32_t after = crane_down(after_half, 15);
-    *r0 = before;
-    *r1 = between;
-    *r2 = after;
+    const int32_t s_fine = crane_shift_up(s, 12);
+    const int32_t square = crane_high_product(s_fine, s);
+    const int32_t difference = s_fine - square;
+    const bool difference_over = 0 < difference;
+    const int32_t difference_raised = difference_over ? difference : 0;
+    const bool difference_under = difference_raised < 67108864;
+    const int32_t difference_limited = difference_under ? difference_raised : 67108864;
+    const int32_t complement = 268435456 - s_fine;
+    const int32_t first = complement - difference_limited;
+    const bool first_over = 0 < first;
+    const int32_t first_raised = first_over ? first : 0;
+    const int32_t two_differences = difference_limited * 2;
+    const int32_t middle = 268435456 + two_differences;
+    const int32_t first_tripled = first_raised * 3;
+    const int32_t first_per_second = crane_high_product(first_tripled, 43690);
+    const int32_t first_and_half = first_per_second + 16384;
+    const int32_t first_weight = crane_shift_down(first_and_half, 15);
+    const int32_t middle_tripled = middle * 3;
+    const int32_t middle_per_second = crane_high_product(middle_tripled, 43690);
+    const int32_t middle_and_half = middle_per_second + 16384;
+    const int32_t middle_weight = crane_shift_down(middle_and_half, 15);
+    const int32_t last_tripled = square * 3;
+    const int32_t last_per_second = crane_high_product(last_tripled, 43690);
+    const int32_t last_and_half = last_per_second + 16384;
+    const int32_t last_weight = crane_shift_down(last_and_half, 15);
+    *r0 = first_weight;
+    *r1 = middle_weight;
+    *r2 = last_weight;
 }
 
 /* An edge of the tube, and its rate in units a second, by the steps about it. */
-static inline void crane_edge(int32_t at, int32_t w0, int32_t w1, int32_t w2, int32_t r0, int32_t r1,
-                              int32_t r2, int32_t *edge, int32_t *rate)
+static inline void crane_edge_at(int32_t at, int32_t w0, int32_t w1, int32_t w2, int32_t r0, int32_t r1,
+                                 int32_t r2, int32_t *edge, int32_t *rate)
 {
-    const int32_t at_q0 = CRANE_READ_32(crane_coefficients[at]);
+    const int32_t q0 = CRANE_READ_32(crane_coefficients[at]);
     const int32_t at_1 = at + 4;
-    const int32_t at_q1 = CRANE_READ_32(crane_coefficients[at_1]);
+    const int32_t q1 = CRANE_READ_32(crane_coefficients[at_1]);
     const int32_t at_2 = at + 8;
-    const int32_t at_q2 = CRANE_READ_32(crane_coefficients[at_2]);
+    const int32_t q2 = CRANE_READ_32(crane_coefficients[at_2]);
     const int32_t at_3 = at + 12;
-    const int32_t at_q3 = CRANE_READ_32(crane_coefficients[at_3]);
-    const int32_t apart_0 = at_q1 - at_q0;
-    const int32_t apart_1 = at_q2 - at_q1;
-    const int32_t apart_2 = at_q3 - at_q2;
-    const int32_t d0 = (int32_t)(int16_t)apart_0;
-    const int32_t d1 = (int32_t)(int16_t)apart_1;
-    const int32_t d2 = (int32_t)(int16_t)apart_2;
-    const int32_t q1_6 = at_q1 * 6;
-    const int32_t base = q1_6 + d1;
-    const int32_t d1_w1 = crane_product(d1, w1);
-    const int32_t middle = crane_down(d1_w1, 14);
-    const int32_t d2_w2 = crane_product(d2, w2);
-    const int32_t d0_w0 = crane_product(d0, w0);
-    const int32_t outer = d2_w2 - d0_w0;
-    const int32_t ends = crane_down(outer, 15);
-    const int32_t bent = base + middle;
-    const int32_t value = bent + ends;
-    const int32_t d1_r1 = crane_product(d1, r1);
-    const int32_t between = crane_down(d1_r1, 11);
-    const int32_t d0_r0 = crane_product(d0, r0);
-    const int32_t d2_r2 = crane_product(d2, r2);
-    const int32_t about = d0_r0 + d2_r2;
-    const int32_t around = crane_down(about, 11);
-    const int32_t slope = between + around;
+    const int32_t q3 = CRANE_READ_32(crane_coefficients[at_3]);
+    const int32_t difference_0 = q1 - q0;
+    const int32_t difference_1 = q2 - q1;
+    const int32_t difference_2 = q3 - q2;
+    const int32_t d0 = (int32_t)(int16_t)difference_0;
+    const int32_t d1 = (int32_t)(int16_t)difference_1;
+    const int32_t d2 = (int32_t)(int16_t)difference_2;
+    const int32_t six_q1 = q1 * 6;
+    const int32_t base = six_q1 + d1;
+    const int32_t d1_weighted = crane_product(d1, w1);
+    const int32_t middle_part = crane_shift_down(d1_weighted, 14);
+    const int32_t d2_weighted = crane_product(d2, w2);
+    const int32_t d0_weighted = crane_product(d0, w0);
+    const int32_t outer = d2_weighted - d0_weighted;
+    const int32_t outer_part = crane_shift_down(outer, 15);
+    const int32_t base_and_middle = base + middle_part;
+    const int32_t value = base_and_middle + outer_part;
+    const int32_t d1_per_second = crane_product(d1, r1);
+    const int32_t middle_rate = crane_shift_down(d1_per_second, 11);
+    const int32_t d0_per_second = crane_product(d0, r0);
+    const int32_t d2_per_second = crane_product(d2, r2);
+    const int32_t outer_sum = d0_per_second + d2_per_second;
+    const int32_t outer_rate = crane_shift_down(outer_sum, 11);
+    const int32_t value_rate = middle_rate + outer_rate;
     *edge = value;
-    *rate = slope;
+    *rate = value_rate;
 }
 
 /* The quadratic of a row, level - (slope - bend t) t, at t in 2^-16. */
@@ -633,26 +634,26 @@ static inline int32_t crane_curve(int32_t row, int32_t t)
     const int32_t slope = CRANE_READ_16(crane_slopes[row]);
     const int32_t bend = CRANE_READ_16(crane_bends[row]);
     const int32_t bend_t = crane_product(bend, t);
-    const int32_t bent = crane_down(bend_t, 16);
-    const int32_t down = slope - bent;
-    const int32_t down_t = crane_product(down, t);
-    const int32_t fall = crane_down(down_t, 17);
-    const int32_t left = level - fall;
-    const int32_t found = crane_low(left, 65535);
-    return found;
+    const int32_t bend_part = crane_shift_down(bend_t, 16);
+    const int32_t mean_slope = slope - bend_part;
+    const int32_t slope_t = crane_product(mean_slope, t);
+    const int32_t fall = crane_shift_down(slope_t, 17);
+    const int32_t difference = level - fall;
+    const int32_t value = crane_low_bits(difference, 65535);
+    return value;
 }
 
 /* |u|: gain e H/d, at most `limit`. */
-static inline int32_t crane_push(int32_t e, int32_t rise, int32_t over, int32_t gain, int32_t places,
-                                 int32_t limit)
+static inline int32_t crane_input_size(int32_t e, int32_t h, int32_t reciprocal, int32_t gain, int32_t shift,
+                                       int32_t limit)
 {
-    const int32_t steep = crane_upper(e, rise);
-    const int32_t over_width = crane_upper(steep, over);
-    const int32_t size = crane_upper(over_width, gain);
-    const int32_t moved = crane_down(size, places);
-    const bool push_held_under = moved < limit;
-    const int32_t push_held = push_held_under ? moved : limit;
-    return push_held;
+    const int32_t e_times_h = crane_high_product(e, h);
+    const int32_t over_width = crane_high_product(e_times_h, reciprocal);
+    const int32_t unshifted = crane_high_product(over_width, gain);
+    const int32_t unlimited = crane_shift_down(unshifted, shift);
+    const bool limit_under = unlimited < limit;
+    const int32_t size = limit_under ? unlimited : limit;
+    return size;
 }
 
 void crane_tube(uint32_t tick, int32_t lower[CRANE_N], int32_t upper[CRANE_N])
@@ -670,14 +671,14 @@ void crane_tube(uint32_t tick, int32_t lower[CRANE_N], int32_t upper[CRANE_N])
     crane_rates(s, &r0, &r1, &r2);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge_at(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        crane_edge_at(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
         lower[i] = lower_edge;
         upper[i] = upper_edge;
     }
@@ -699,20 +700,20 @@ void crane_filtered_tube(uint32_t tick, int32_t lower[CRANE_N], int32_t upper[CR
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t filter_i = CRANE_READ_16(crane_filters[i]);
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge_at(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
-        const int32_t lower_filtered = crane_upper(lower_edge, filter_i);
-        const int32_t lower_z = lower_rate + lower_filtered;
-        lower[i] = lower_z;
-        const int32_t upper_filtered = crane_upper(upper_edge, filter_i);
-        const int32_t upper_z = upper_rate + upper_filtered;
-        upper[i] = upper_z;
+        crane_edge_at(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        const int32_t lower_part = crane_high_product(lower_edge, filter_i);
+        const int32_t z_lower = lower_rate + lower_part;
+        lower[i] = z_lower;
+        const int32_t upper_part = crane_high_product(upper_edge, filter_i);
+        const int32_t z_upper = upper_rate + upper_part;
+        upper[i] = z_upper;
     }
 }
 
@@ -733,88 +734,88 @@ crane_status crane_control(uint32_t tick, const int32_t x[CRANE_N], const int32_
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge_at(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
-        const int32_t x_all = x[i];
-        const bool x_near_over = (-67108864) < x_all;
-        const int32_t x_near = x_near_over ? x_all : (-67108864);
-        const bool x_i_under = x_near < 67108864;
-        const int32_t x_i = x_i_under ? x_near : 67108864;
-        const int32_t x_lower = x_i - lower_edge;
-        const int32_t x_upper = upper_edge - x_i;
-        const int32_t v_all = v[i];
-        const bool v_near_over = (-268435456) < v_all;
-        const int32_t v_near = v_near_over ? v_all : (-268435456);
-        const bool v_i_under = v_near < 268435456;
-        const int32_t v_i = v_i_under ? v_near : 268435456;
-        const int32_t v_lower = v_i - lower_rate;
-        const int32_t v_upper = upper_rate - v_i;
+        crane_edge_at(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        const int32_t x_any = x[i];
+        const bool x_over = (-67108864) < x_any;
+        const int32_t x_raised = x_over ? x_any : (-67108864);
+        const bool x_under = x_raised < 67108864;
+        const int32_t x_i = x_under ? x_raised : 67108864;
+        const int32_t to_lower = x_i - lower_edge;
+        const int32_t to_upper = upper_edge - x_i;
+        const int32_t v_any = v[i];
+        const bool v_over = (-268435456) < v_any;
+        const int32_t v_raised = v_over ? v_any : (-268435456);
+        const bool v_under = v_raised < 268435456;
+        const int32_t v_i = v_under ? v_raised : 268435456;
+        const int32_t v_to_lower = v_i - lower_rate;
+        const int32_t v_to_upper = upper_rate - v_i;
         const int32_t filter_i = CRANE_READ_16(crane_filters[i]);
-        const int32_t lower_filtered = crane_upper(x_lower, filter_i);
-        const int32_t to_lower = v_lower + lower_filtered;
-        const int32_t upper_filtered = crane_upper(x_upper, filter_i);
-        const int32_t to_upper = v_upper + upper_filtered;
-        const int32_t room = to_lower + to_upper;
-        const int32_t apart = to_lower - to_upper;
-        const bool e_width_over = 65536 < room;
-        const int32_t e_width = e_width_over ? room : 65536;
-        const int32_t e_n = crane_leading(e_width);
-        const int32_t e_width_up = crane_up(e_width, e_n);
-        const int32_t e_over_bits = crane_down(e_width_up, 26);
-        const int32_t e_over_head = crane_low(e_over_bits, 15);
-        const int32_t e_over_tail = crane_down(e_width_up, 10);
-        const int32_t e_over_t = crane_low(e_over_tail, 65535);
-        const int32_t e_over = crane_curve(e_over_head, e_over_t);
-        const bool upper_nearer = 0 < apart;
-        const int32_t minus = -apart;
-        const int32_t off = upper_nearer ? apart : minus;
-        const bool off_held_under = off < e_width;
-        const int32_t off_held = off_held_under ? off : e_width;
-        const int32_t off_up = crane_up(off_held, e_n);
-        const int32_t e_all = crane_upper(off_up, e_over);
-        const bool e_under = e_all < 1063134168;
-        const int32_t e = e_under ? e_all : 1063134168;
-        const int32_t rest = e_width_up - off_up;
-        const int32_t y_all = crane_upper(rest, e_over);
-        const bool y_near_over = 10736107 < y_all;
-        const int32_t y_near = y_near_over ? y_all : 10736107;
-        const bool y_under = y_near < 1073741823;
-        const int32_t y = y_under ? y_near : 1073741823;
-        const int32_t m = crane_leading(y);
-        const int32_t octaves = m * 8;
-        const int32_t octave = octaves + 8;
-        const int32_t y_up = crane_up(y, m);
-        const int32_t rise_bits = crane_down(y_up, 27);
-        const int32_t rise_head = crane_low(rise_bits, 7);
-        const int32_t rise_row = rise_head + octave;
-        const int32_t rise_tail = crane_down(y_up, 11);
-        const int32_t rise_t = crane_low(rise_tail, 65535);
-        const int32_t rise = crane_curve(rise_row, rise_t);
-        const int32_t rise_places = CRANE_READ_8(crane_places[rise_row]);
+        const int32_t lower_part = crane_high_product(to_lower, filter_i);
+        const int32_t z_to_lower = v_to_lower + lower_part;
+        const int32_t upper_part = crane_high_product(to_upper, filter_i);
+        const int32_t z_to_upper = v_to_upper + upper_part;
+        const int32_t width = z_to_lower + z_to_upper;
+        const int32_t difference = z_to_lower - z_to_upper;
+        const bool wide = 65536 < width;
+        const int32_t safe_width = wide ? width : 65536;
+        const int32_t width_shift = crane_leading(safe_width);
+        const int32_t width_shifted = crane_shift_up(safe_width, width_shift);
+        const int32_t width_bits = crane_shift_down(width_shifted, 26);
+        const int32_t width_row = crane_low_bits(width_bits, 15);
+        const int32_t width_tail = crane_shift_down(width_shifted, 10);
+        const int32_t width_t = crane_low_bits(width_tail, 65535);
+        const int32_t reciprocal = crane_curve(width_row, width_t);
+        const bool upper_nearer = 0 < difference;
+        const int32_t difference_minus = -difference;
+        const int32_t offset = upper_nearer ? difference : difference_minus;
+        const bool offset_under = offset < safe_width;
+        const int32_t offset_limited = offset_under ? offset : safe_width;
+        const int32_t offset_shifted = crane_shift_up(offset_limited, width_shift);
+        const int32_t e_any = crane_high_product(offset_shifted, reciprocal);
+        const bool e_under = e_any < 1063134168;
+        const int32_t e_limited = e_under ? e_any : 1063134168;
+        const int32_t remainder = width_shifted - offset_shifted;
+        const int32_t y_any = crane_high_product(remainder, reciprocal);
+        const bool y_over = 10736107 < y_any;
+        const int32_t y_raised = y_over ? y_any : 10736107;
+        const bool y_under = y_raised < 1073741823;
+        const int32_t y_limited = y_under ? y_raised : 1073741823;
+        const int32_t y_shift = crane_leading(y_limited);
+        const int32_t octave_rows = y_shift * 8;
+        const int32_t first_row = octave_rows + 8;
+        const int32_t y_shifted = crane_shift_up(y_limited, y_shift);
+        const int32_t y_bits = crane_shift_down(y_shifted, 27);
+        const int32_t y_piece = crane_low_bits(y_bits, 7);
+        const int32_t y_row = y_piece + first_row;
+        const int32_t y_tail = crane_shift_down(y_shifted, 11);
+        const int32_t y_t = crane_low_bits(y_tail, 65535);
+        const int32_t h = crane_curve(y_row, y_t);
+        const int32_t h_shift = CRANE_READ_8(crane_h_shifts[y_row]);
         const int32_t gain = CRANE_READ_16(crane_gains[i]);
-        const int32_t offset = CRANE_READ_8(crane_offsets[i]);
+        const int32_t shift_offset = CRANE_READ_8(crane_shift_offsets[i]);
         const int32_t limit = CRANE_READ_32(crane_limits[i]);
-        const int32_t down_n = offset - e_n;
-        const int32_t down_all = down_n - rise_places;
-        const bool down_over = 0 < down_all;
-        const int32_t down = down_over ? down_all : 0;
-        const int32_t push = crane_push(e, rise, e_over, gain, down, limit);
-        const int32_t back = -push;
-        const int32_t u_i = upper_nearer ? back : push;
+        const int32_t less_width_shift = shift_offset - width_shift;
+        const int32_t shift_any = less_width_shift - h_shift;
+        const bool shift_over = 0 < shift_any;
+        const int32_t shift = shift_over ? shift_any : 0;
+        const int32_t size = crane_input_size(e_limited, h, reciprocal, gain, shift, limit);
+        const int32_t size_minus = -size;
+        const int32_t u_i = upper_nearer ? size_minus : size;
         u[i] = u_i;
-        const bool within = off < room;
-        const bool over = 0 < x_lower;
-        const bool under = 0 < x_upper;
-        const bool between = over && under;
-        const bool inside = within && between;
-        const bool outside_any = inside ? outside : true;
-        outside = outside_any;
+        const bool z_inside = offset < width;
+        const bool x_above = 0 < to_lower;
+        const bool x_below = 0 < to_upper;
+        const bool x_inside = x_above && x_below;
+        const bool inside = z_inside && x_inside;
+        const bool outside_next = inside ? outside : true;
+        outside = outside_next;
     }
     return outside ? CRANE_OUTSIDE_TUBE : CRANE_OK;
 }
@@ -835,85 +836,85 @@ int32_t crane_margin(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CR
     int32_t margin = 32768;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge_at(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
-        const int32_t x_all = x[i];
-        const bool x_near_over = (-67108864) < x_all;
-        const int32_t x_near = x_near_over ? x_all : (-67108864);
-        const bool x_i_under = x_near < 67108864;
-        const int32_t x_i = x_i_under ? x_near : 67108864;
-        const int32_t x_lower = x_i - lower_edge;
-        const int32_t x_upper = upper_edge - x_i;
-        const int32_t v_all = v[i];
-        const bool v_near_over = (-268435456) < v_all;
-        const int32_t v_near = v_near_over ? v_all : (-268435456);
-        const bool v_i_under = v_near < 268435456;
-        const int32_t v_i = v_i_under ? v_near : 268435456;
-        const int32_t v_lower = v_i - lower_rate;
-        const int32_t v_upper = upper_rate - v_i;
+        crane_edge_at(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        const int32_t x_any = x[i];
+        const bool x_over = (-67108864) < x_any;
+        const int32_t x_raised = x_over ? x_any : (-67108864);
+        const bool x_under = x_raised < 67108864;
+        const int32_t x_i = x_under ? x_raised : 67108864;
+        const int32_t to_lower = x_i - lower_edge;
+        const int32_t to_upper = upper_edge - x_i;
+        const int32_t v_any = v[i];
+        const bool v_over = (-268435456) < v_any;
+        const int32_t v_raised = v_over ? v_any : (-268435456);
+        const bool v_under = v_raised < 268435456;
+        const int32_t v_i = v_under ? v_raised : 268435456;
+        const int32_t v_to_lower = v_i - lower_rate;
+        const int32_t v_to_upper = upper_rate - v_i;
         const int32_t filter_i = CRANE_READ_16(crane_filters[i]);
-        const int32_t lower_filtered = crane_upper(x_lower, filter_i);
-        const int32_t to_lower = v_lower + lower_filtered;
-        const int32_t upper_filtered = crane_upper(x_upper, filter_i);
-        const int32_t to_upper = v_upper + upper_filtered;
-        const int32_t share_room = to_lower + to_upper;
-        const bool share_width_over = 65536 < share_room;
-        const int32_t share_width = share_width_over ? share_room : 65536;
-        const int32_t share_n = crane_leading(share_width);
-        const int32_t share_width_up = crane_up(share_width, share_n);
-        const int32_t share_over_bits = crane_down(share_width_up, 26);
-        const int32_t share_over_head = crane_low(share_over_bits, 15);
-        const int32_t share_over_tail = crane_down(share_width_up, 10);
-        const int32_t share_over_t = crane_low(share_over_tail, 65535);
-        const int32_t share_over = crane_curve(share_over_head, share_over_t);
-        const bool share_high = to_upper < to_lower;
-        const int32_t share_nearest = share_high ? to_upper : to_lower;
-        const bool share_inside = 0 < share_nearest;
-        const int32_t share_beyond = -share_nearest;
-        const int32_t share_size = share_inside ? share_nearest : share_beyond;
-        const bool share_held_under = share_size < share_width;
-        const int32_t share_held = share_held_under ? share_size : share_width;
-        const int32_t share_up = crane_up(share_held, share_n);
-        const int32_t share_quotient = crane_upper(share_up, share_over);
-        const int32_t share_part = crane_down(share_quotient, 14);
-        const bool share_most_under = share_part < 65535;
-        const int32_t share_most = share_most_under ? share_part : 65535;
-        const int32_t share_minus = (-1) - share_most;
-        const int32_t share = share_inside ? share_most : share_minus;
-        const int32_t place_room = x_lower + x_upper;
-        const bool place_width_over = 131072 < place_room;
-        const int32_t place_width = place_width_over ? place_room : 131072;
-        const int32_t place_n = crane_leading(place_width);
-        const int32_t place_width_up = crane_up(place_width, place_n);
-        const int32_t place_over_bits = crane_down(place_width_up, 26);
-        const int32_t place_over_head = crane_low(place_over_bits, 15);
-        const int32_t place_over_tail = crane_down(place_width_up, 10);
-        const int32_t place_over_t = crane_low(place_over_tail, 65535);
-        const int32_t place_over = crane_curve(place_over_head, place_over_t);
-        const bool place_high = x_upper < x_lower;
-        const int32_t place_nearest = place_high ? x_upper : x_lower;
-        const bool place_inside = 0 < place_nearest;
-        const int32_t place_beyond = -place_nearest;
-        const int32_t place_size = place_inside ? place_nearest : place_beyond;
-        const bool place_held_under = place_size < place_width;
-        const int32_t place_held = place_held_under ? place_size : place_width;
-        const int32_t place_up = crane_up(place_held, place_n);
-        const int32_t place_quotient = crane_upper(place_up, place_over);
-        const int32_t place_part = crane_down(place_quotient, 14);
-        const bool place_most_under = place_part < 65535;
-        const int32_t place_most = place_most_under ? place_part : 65535;
-        const int32_t place_minus = (-1) - place_most;
-        const int32_t place = place_inside ? place_most : place_minus;
-        const bool filtered_less = share < place;
-        const int32_t lesser = filtered_less ? share : place;
-        const bool less = lesser < margin;
-        const int32_t margin_next = less ? lesser : margin;
+        const int32_t lower_part = crane_high_product(to_lower, filter_i);
+        const int32_t z_to_lower = v_to_lower + lower_part;
+        const int32_t upper_part = crane_high_product(to_upper, filter_i);
+        const int32_t z_to_upper = v_to_upper + upper_part;
+        const int32_t z_width = z_to_lower + z_to_upper;
+        const bool z_wide = 65536 < z_width;
+        const int32_t z_safe_width = z_wide ? z_width : 65536;
+        const int32_t z_width_shift = crane_leading(z_safe_width);
+        const int32_t z_width_shifted = crane_shift_up(z_safe_width, z_width_shift);
+        const int32_t z_width_bits = crane_shift_down(z_width_shifted, 26);
+        const int32_t z_width_row = crane_low_bits(z_width_bits, 15);
+        const int32_t z_width_tail = crane_shift_down(z_width_shifted, 10);
+        const int32_t z_width_t = crane_low_bits(z_width_tail, 65535);
+        const int32_t z_reciprocal = crane_curve(z_width_row, z_width_t);
+        const bool z_nearer = z_to_upper < z_to_lower;
+        const int32_t z_distance = z_nearer ? z_to_upper : z_to_lower;
+        const bool z_inside = 0 < z_distance;
+        const int32_t z_distance_minus = -z_distance;
+        const int32_t z_size = z_inside ? z_distance : z_distance_minus;
+        const bool z_size_under = z_size < z_safe_width;
+        const int32_t z_size_limited = z_size_under ? z_size : z_safe_width;
+        const int32_t z_size_shifted = crane_shift_up(z_size_limited, z_width_shift);
+        const int32_t z_quotient = crane_high_product(z_size_shifted, z_reciprocal);
+        const int32_t z_share_any = crane_shift_down(z_quotient, 14);
+        const bool z_share_under = z_share_any < 65535;
+        const int32_t z_share = z_share_under ? z_share_any : 65535;
+        const int32_t z_share_minus = (-1) - z_share;
+        const int32_t margin_z = z_inside ? z_share : z_share_minus;
+        const int32_t x_width = to_lower + to_upper;
+        const bool x_wide = 131072 < x_width;
+        const int32_t x_safe_width = x_wide ? x_width : 131072;
+        const int32_t x_width_shift = crane_leading(x_safe_width);
+        const int32_t x_width_shifted = crane_shift_up(x_safe_width, x_width_shift);
+        const int32_t x_width_bits = crane_shift_down(x_width_shifted, 26);
+        const int32_t x_width_row = crane_low_bits(x_width_bits, 15);
+        const int32_t x_width_tail = crane_shift_down(x_width_shifted, 10);
+        const int32_t x_width_t = crane_low_bits(x_width_tail, 65535);
+        const int32_t x_reciprocal = crane_curve(x_width_row, x_width_t);
+        const bool x_nearer = to_upper < to_lower;
+        const int32_t x_distance = x_nearer ? to_upper : to_lower;
+        const bool x_inside = 0 < x_distance;
+        const int32_t x_distance_minus = -x_distance;
+        const int32_t x_size = x_inside ? x_distance : x_distance_minus;
+        const bool x_size_under = x_size < x_safe_width;
+        const int32_t x_size_limited = x_size_under ? x_size : x_safe_width;
+        const int32_t x_size_shifted = crane_shift_up(x_size_limited, x_width_shift);
+        const int32_t x_quotient = crane_high_product(x_size_shifted, x_reciprocal);
+        const int32_t x_share_any = crane_shift_down(x_quotient, 14);
+        const bool x_share_under = x_share_any < 65535;
+        const int32_t x_share = x_share_under ? x_share_any : 65535;
+        const int32_t x_share_minus = (-1) - x_share;
+        const int32_t margin_x = x_inside ? x_share : x_share_minus;
+        const bool z_smaller = margin_z < margin_x;
+        const int32_t smaller = z_smaller ? margin_z : margin_x;
+        const bool less = smaller < margin;
+        const int32_t margin_next = less ? smaller : margin;
         margin = margin_next;
     }
     return margin;
@@ -934,84 +935,84 @@ void crane_margins(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CRAN
     crane_rates(s, &r0, &r1, &r2);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
         int32_t lower_edge;
         int32_t lower_rate;
-        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        crane_edge_at(lower_at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
         int32_t upper_edge;
         int32_t upper_rate;
-        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
-        const int32_t x_all = x[i];
-        const bool x_near_over = (-67108864) < x_all;
-        const int32_t x_near = x_near_over ? x_all : (-67108864);
-        const bool x_i_under = x_near < 67108864;
-        const int32_t x_i = x_i_under ? x_near : 67108864;
-        const int32_t x_lower = x_i - lower_edge;
-        const int32_t x_upper = upper_edge - x_i;
-        const int32_t v_all = v[i];
-        const bool v_near_over = (-268435456) < v_all;
-        const int32_t v_near = v_near_over ? v_all : (-268435456);
-        const bool v_i_under = v_near < 268435456;
-        const int32_t v_i = v_i_under ? v_near : 268435456;
-        const int32_t v_lower = v_i - lower_rate;
-        const int32_t v_upper = upper_rate - v_i;
+        crane_edge_at(upper_at, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        const int32_t x_any = x[i];
+        const bool x_over = (-67108864) < x_any;
+        const int32_t x_raised = x_over ? x_any : (-67108864);
+        const bool x_under = x_raised < 67108864;
+        const int32_t x_i = x_under ? x_raised : 67108864;
+        const int32_t to_lower = x_i - lower_edge;
+        const int32_t to_upper = upper_edge - x_i;
+        const int32_t v_any = v[i];
+        const bool v_over = (-268435456) < v_any;
+        const int32_t v_raised = v_over ? v_any : (-268435456);
+        const bool v_under = v_raised < 268435456;
+        const int32_t v_i = v_under ? v_raised : 268435456;
+        const int32_t v_to_lower = v_i - lower_rate;
+        const int32_t v_to_upper = upper_rate - v_i;
         const int32_t filter_i = CRANE_READ_16(crane_filters[i]);
-        const int32_t lower_filtered = crane_upper(x_lower, filter_i);
-        const int32_t to_lower = v_lower + lower_filtered;
-        const int32_t upper_filtered = crane_upper(x_upper, filter_i);
-        const int32_t to_upper = v_upper + upper_filtered;
-        const int32_t share_room = to_lower + to_upper;
-        const bool share_width_over = 65536 < share_room;
-        const int32_t share_width = share_width_over ? share_room : 65536;
-        const int32_t share_n = crane_leading(share_width);
-        const int32_t share_width_up = crane_up(share_width, share_n);
-        const int32_t share_over_bits = crane_down(share_width_up, 26);
-        const int32_t share_over_head = crane_low(share_over_bits, 15);
-        const int32_t share_over_tail = crane_down(share_width_up, 10);
-        const int32_t share_over_t = crane_low(share_over_tail, 65535);
-        const int32_t share_over = crane_curve(share_over_head, share_over_t);
-        const bool share_high = to_upper < to_lower;
-        const int32_t share_nearest = share_high ? to_upper : to_lower;
-        const bool share_inside = 0 < share_nearest;
-        const int32_t share_beyond = -share_nearest;
-        const int32_t share_size = share_inside ? share_nearest : share_beyond;
-        const bool share_held_under = share_size < share_width;
-        const int32_t share_held = share_held_under ? share_size : share_width;
-        const int32_t share_up = crane_up(share_held, share_n);
-        const int32_t share_quotient = crane_upper(share_up, share_over);
-        const int32_t share_part = crane_down(share_quotient, 14);
-        const bool share_most_under = share_part < 65535;
-        const int32_t share_most = share_most_under ? share_part : 65535;
-        const int32_t share_minus = (-1) - share_most;
-        const int32_t share = share_inside ? share_most : share_minus;
-        const int32_t place_room = x_lower + x_upper;
-        const bool place_width_over = 131072 < place_room;
-        const int32_t place_width = place_width_over ? place_room : 131072;
-        const int32_t place_n = crane_leading(place_width);
-        const int32_t place_width_up = crane_up(place_width, place_n);
-        const int32_t place_over_bits = crane_down(place_width_up, 26);
-        const int32_t place_over_head = crane_low(place_over_bits, 15);
-        const int32_t place_over_tail = crane_down(place_width_up, 10);
-        const int32_t place_over_t = crane_low(place_over_tail, 65535);
-        const int32_t place_over = crane_curve(place_over_head, place_over_t);
-        const bool place_high = x_upper < x_lower;
-        const int32_t place_nearest = place_high ? x_upper : x_lower;
-        const bool place_inside = 0 < place_nearest;
-        const int32_t place_beyond = -place_nearest;
-        const int32_t place_size = place_inside ? place_nearest : place_beyond;
-        const bool place_held_under = place_size < place_width;
-        const int32_t place_held = place_held_under ? place_size : place_width;
-        const int32_t place_up = crane_up(place_held, place_n);
-        const int32_t place_quotient = crane_upper(place_up, place_over);
-        const int32_t place_part = crane_down(place_quotient, 14);
-        const bool place_most_under = place_part < 65535;
-        const int32_t place_most = place_most_under ? place_part : 65535;
-        const int32_t place_minus = (-1) - place_most;
-        const int32_t place = place_inside ? place_most : place_minus;
-        const bool filtered_less = share < place;
-        const int32_t lesser = filtered_less ? share : place;
-        margin[i] = lesser;
+        const int32_t lower_part = crane_high_product(to_lower, filter_i);
+        const int32_t z_to_lower = v_to_lower + lower_part;
+        const int32_t upper_part = crane_high_product(to_upper, filter_i);
+        const int32_t z_to_upper = v_to_upper + upper_part;
+        const int32_t z_width = z_to_lower + z_to_upper;
+        const bool z_wide = 65536 < z_width;
+        const int32_t z_safe_width = z_wide ? z_width : 65536;
+        const int32_t z_width_shift = crane_leading(z_safe_width);
+        const int32_t z_width_shifted = crane_shift_up(z_safe_width, z_width_shift);
+        const int32_t z_width_bits = crane_shift_down(z_width_shifted, 26);
+        const int32_t z_width_row = crane_low_bits(z_width_bits, 15);
+        const int32_t z_width_tail = crane_shift_down(z_width_shifted, 10);
+        const int32_t z_width_t = crane_low_bits(z_width_tail, 65535);
+        const int32_t z_reciprocal = crane_curve(z_width_row, z_width_t);
+        const bool z_nearer = z_to_upper < z_to_lower;
+        const int32_t z_distance = z_nearer ? z_to_upper : z_to_lower;
+        const bool z_inside = 0 < z_distance;
+        const int32_t z_distance_minus = -z_distance;
+        const int32_t z_size = z_inside ? z_distance : z_distance_minus;
+        const bool z_size_under = z_size < z_safe_width;
+        const int32_t z_size_limited = z_size_under ? z_size : z_safe_width;
+        const int32_t z_size_shifted = crane_shift_up(z_size_limited, z_width_shift);
+        const int32_t z_quotient = crane_high_product(z_size_shifted, z_reciprocal);
+        const int32_t z_share_any = crane_shift_down(z_quotient, 14);
+        const bool z_share_under = z_share_any < 65535;
+        const int32_t z_share = z_share_under ? z_share_any : 65535;
+        const int32_t z_share_minus = (-1) - z_share;
+        const int32_t margin_z = z_inside ? z_share : z_share_minus;
+        const int32_t x_width = to_lower + to_upper;
+        const bool x_wide = 131072 < x_width;
+        const int32_t x_safe_width = x_wide ? x_width : 131072;
+        const int32_t x_width_shift = crane_leading(x_safe_width);
+        const int32_t x_width_shifted = crane_shift_up(x_safe_width, x_width_shift);
+        const int32_t x_width_bits = crane_shift_down(x_width_shifted, 26);
+        const int32_t x_width_row = crane_low_bits(x_width_bits, 15);
+        const int32_t x_width_tail = crane_shift_down(x_width_shifted, 10);
+        const int32_t x_width_t = crane_low_bits(x_width_tail, 65535);
+        const int32_t x_reciprocal = crane_curve(x_width_row, x_width_t);
+        const bool x_nearer = to_upper < to_lower;
+        const int32_t x_distance = x_nearer ? to_upper : to_lower;
+        const bool x_inside = 0 < x_distance;
+        const int32_t x_distance_minus = -x_distance;
+        const int32_t x_size = x_inside ? x_distance : x_distance_minus;
+        const bool x_size_under = x_size < x_safe_width;
+        const int32_t x_size_limited = x_size_under ? x_size : x_safe_width;
+        const int32_t x_size_shifted = crane_shift_up(x_size_limited, x_width_shift);
+        const int32_t x_quotient = crane_high_product(x_size_shifted, x_reciprocal);
+        const int32_t x_share_any = crane_shift_down(x_quotient, 14);
+        const bool x_share_under = x_share_any < 65535;
+        const int32_t x_share = x_share_under ? x_share_any : 65535;
+        const int32_t x_share_minus = (-1) - x_share;
+        const int32_t margin_x = x_inside ? x_share : x_share_minus;
+        const bool z_smaller = margin_z < margin_x;
+        const int32_t smaller = z_smaller ? margin_z : margin_x;
+        margin[i] = smaller;
     }
 }
 
@@ -1019,30 +1020,30 @@ bool crane_covered(const int32_t x[CRANE_N], const int32_t v[CRANE_N])
 {
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
-        const int32_t x_all = x[i];
-        const bool x_near_over = (-67108864) < x_all;
-        const int32_t x_near = x_near_over ? x_all : (-67108864);
-        const bool x_i_under = x_near < 67108864;
-        const int32_t x_i = x_i_under ? x_near : 67108864;
-        const int32_t v_all = v[i];
-        const bool v_near_over = (-268435456) < v_all;
-        const int32_t v_near = v_near_over ? v_all : (-268435456);
-        const bool v_i_under = v_near < 268435456;
-        const int32_t v_i = v_i_under ? v_near : 268435456;
+        const int32_t x_any = x[i];
+        const bool x_over = (-67108864) < x_any;
+        const int32_t x_raised = x_over ? x_any : (-67108864);
+        const bool x_under = x_raised < 67108864;
+        const int32_t x_i = x_under ? x_raised : 67108864;
+        const int32_t v_any = v[i];
+        const bool v_over = (-268435456) < v_any;
+        const int32_t v_raised = v_over ? v_any : (-268435456);
+        const bool v_under = v_raised < 268435456;
+        const int32_t v_i = v_under ? v_raised : 268435456;
         const int32_t filter_i = CRANE_READ_16(crane_filters[i]);
-        const int32_t filtered = crane_upper(x_i, filter_i);
-        const int32_t z = v_i + filtered;
-        const int32_t start_lower_i = CRANE_READ_16(crane_start_lower[i]);
-        const int32_t start_upper_i = CRANE_READ_32(crane_start_upper[i]);
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const int32_t filtered_start_lower_i = CRANE_READ_16(crane_filtered_start_lower[i]);
-        const int32_t filtered_start_upper_i = CRANE_READ_32(crane_filtered_start_upper[i]);
-        const bool z_after = filtered_start_lower_i < z;
-        const bool z_before = z < filtered_start_upper_i;
-        const bool z_between = z_after && z_before;
-        const bool inside = x_i_between && z_between;
+        const int32_t x_part = crane_high_product(x_i, filter_i);
+        const int32_t z_i = v_i + x_part;
+        const int32_t x_lower = CRANE_READ_16(crane_start_lower[i]);
+        const int32_t x_upper = CRANE_READ_32(crane_start_upper[i]);
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const int32_t z_lower = CRANE_READ_16(crane_filtered_start_lower[i]);
+        const int32_t z_upper = CRANE_READ_32(crane_filtered_start_upper[i]);
+        const bool z_above = z_lower < z_i;
+        const bool z_below = z_i < z_upper;
+        const bool z_inside = z_above && z_below;
+        const bool inside = x_inside && z_inside;
         const bool covered_next = inside ? covered : false;
         covered = covered_next;
     }

@@ -15,11 +15,22 @@
 #include <stdint.h>
 #include <string.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "crawler.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "crawler.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "crawler.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "crawler.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:
@@ -192,10 +203,19 @@ static inline void crawler_basis_rate(crawler_real s, crawler_real *dw0, crawler
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline crawler_real crawler_blend(crawler_real w0, crawler_real w1, crawler_real w2, crawler_real w3,
-                                         crawler_real q0, crawler_real q1, crawler_real q2, crawler_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline crawler_real crawler_edge_at(int32_t at, crawler_real w0, crawler_real w1, crawler_real w2,
+                                           crawler_real w3)
 {
+    const crawler_real q0 = crawler_coefficients[at];
+    const int32_t at_1 = at + 4;
+    const crawler_real q1 = crawler_coefficients[at_1];
+    const int32_t at_2 = at + 8;
+    const crawler_real q2 = crawler_coefficients[at_2];
+    const int32_t at_3 = at + 12;
+    const crawler_real q3 = crawler_coefficients[at_3];
     const crawler_real v0 = w0 * q0;
     const crawler_real v1 = w1 * q1;
     const crawler_real v2 = v0 + v1;
@@ -270,25 +290,11 @@ void crawler_tube(crawler_real t, crawler_real lower[CRAWLER_N], crawler_real up
     crawler_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const crawler_real lower_q0 = crawler_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const crawler_real lower_q1 = crawler_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const crawler_real lower_q2 = crawler_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const crawler_real lower_q3 = crawler_coefficients[lower_3];
-        const crawler_real lower_edge = crawler_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const crawler_real lower_edge = crawler_edge_at(lower_at, w0, w1, w2, w3);
+        const crawler_real upper_edge = crawler_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const crawler_real upper_q0 = crawler_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const crawler_real upper_q1 = crawler_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const crawler_real upper_q2 = crawler_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const crawler_real upper_q3 = crawler_coefficients[upper_3];
-        const crawler_real upper_edge = crawler_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -316,27 +322,13 @@ void crawler_tube_rate(crawler_real t, crawler_real lower_rate[CRAWLER_N], crawl
     const crawler_real per_second = moving ? 5.3333335F : 0.0F;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const crawler_real lower_q0 = crawler_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const crawler_real lower_q1 = crawler_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const crawler_real lower_q2 = crawler_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const crawler_real lower_q3 = crawler_coefficients[lower_3];
-        const crawler_real lower_slope = crawler_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const crawler_real lower_slope = crawler_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const crawler_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const crawler_real upper_q0 = crawler_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const crawler_real upper_q1 = crawler_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const crawler_real upper_q2 = crawler_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const crawler_real upper_q3 = crawler_coefficients[upper_3];
-        const crawler_real upper_slope = crawler_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const crawler_real upper_slope = crawler_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const crawler_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -354,8 +346,8 @@ crawler_status crawler_control(crawler_real t, const crawler_real x[CRAWLER_N], 
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0F;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0F;
         }
         return CRAWLER_BAD_INPUT;
     }
@@ -370,45 +362,31 @@ crawler_status crawler_control(crawler_real t, const crawler_real x[CRAWLER_N], 
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const crawler_real lower_q0 = crawler_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const crawler_real lower_q1 = crawler_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const crawler_real lower_q2 = crawler_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const crawler_real lower_q3 = crawler_coefficients[lower_3];
-        const crawler_real lower_edge = crawler_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const crawler_real upper_q0 = crawler_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const crawler_real upper_q1 = crawler_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const crawler_real upper_q2 = crawler_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const crawler_real upper_q3 = crawler_coefficients[upper_3];
-        const crawler_real upper_edge = crawler_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const crawler_real lower_edge = crawler_edge_at(lower_at, w0, w1, w2, w3);
+        const crawler_real upper_edge = crawler_edge_at(upper_at, w0, w1, w2, w3);
         const crawler_real x_i = x[i];
         const crawler_real gain_i = crawler_gain[i];
         const crawler_real gain_minus = -gain_i;
-        const crawler_real room = upper_edge - lower_edge;
+        const crawler_real width = upper_edge - lower_edge;
         const crawler_real to_lower = x_i - lower_edge;
         const crawler_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const crawler_real nearest = upper_nearer ? to_upper : to_lower;
+        const crawler_real distance = upper_nearer ? to_upper : to_lower;
         const crawler_real gain = upper_nearer ? gain_minus : gain_i;
-        const crawler_real least = room * 0.005F;
-        const bool clear = least < nearest;
-        const crawler_real near = clear ? nearest : least;
-        const crawler_real far = room - near;
-        const bool within = 0.0F < nearest;
-        const bool outside_any = within ? outside : true;
+        const crawler_real smallest = width * 0.005F;
+        const bool clear = smallest < distance;
+        const crawler_real to_nearer = clear ? distance : smallest;
+        const crawler_real to_farther = width - to_nearer;
+        const bool inside = 0.0F < distance;
+        const bool outside_next = inside ? outside : true;
         crawler_real epsilon;
         crawler_real xi;
-        crawler_transformed_error(near, far, &epsilon, &xi);
-        const crawler_real push = crawler_law(gain, xi, epsilon);
-        u[i] = push;
-        outside = outside_any;
+        crawler_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const crawler_real u_i = crawler_law(gain, xi, epsilon);
+        u[i] = u_i;
+        outside = outside_next;
     }
     return outside ? CRAWLER_OUTSIDE_TUBE : CRAWLER_OK;
 }
@@ -425,8 +403,8 @@ crawler_status crawler_control_tick(uint32_t tick, const crawler_real x[CRAWLER_
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0F;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0F;
         }
         return CRAWLER_BAD_INPUT;
     }
@@ -441,45 +419,31 @@ crawler_status crawler_control_tick(uint32_t tick, const crawler_real x[CRAWLER_
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const crawler_real lower_q0 = crawler_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const crawler_real lower_q1 = crawler_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const crawler_real lower_q2 = crawler_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const crawler_real lower_q3 = crawler_coefficients[lower_3];
-        const crawler_real lower_edge = crawler_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const crawler_real upper_q0 = crawler_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const crawler_real upper_q1 = crawler_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const crawler_real upper_q2 = crawler_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const crawler_real upper_q3 = crawler_coefficients[upper_3];
-        const crawler_real upper_edge = crawler_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const crawler_real lower_edge = crawler_edge_at(lower_at, w0, w1, w2, w3);
+        const crawler_real upper_edge = crawler_edge_at(upper_at, w0, w1, w2, w3);
         const crawler_real x_i = x[i];
         const crawler_real gain_i = crawler_gain[i];
         const crawler_real gain_minus = -gain_i;
-        const crawler_real room = upper_edge - lower_edge;
+        const crawler_real width = upper_edge - lower_edge;
         const crawler_real to_lower = x_i - lower_edge;
         const crawler_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const crawler_real nearest = upper_nearer ? to_upper : to_lower;
+        const crawler_real distance = upper_nearer ? to_upper : to_lower;
         const crawler_real gain = upper_nearer ? gain_minus : gain_i;
-        const crawler_real least = room * 0.005F;
-        const bool clear = least < nearest;
-        const crawler_real near = clear ? nearest : least;
-        const crawler_real far = room - near;
-        const bool within = 0.0F < nearest;
-        const bool outside_any = within ? outside : true;
+        const crawler_real smallest = width * 0.005F;
+        const bool clear = smallest < distance;
+        const crawler_real to_nearer = clear ? distance : smallest;
+        const crawler_real to_farther = width - to_nearer;
+        const bool inside = 0.0F < distance;
+        const bool outside_next = inside ? outside : true;
         crawler_real epsilon;
         crawler_real xi;
-        crawler_transformed_error(near, far, &epsilon, &xi);
-        const crawler_real push = crawler_law(gain, xi, epsilon);
-        u[i] = push;
-        outside = outside_any;
+        crawler_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const crawler_real u_i = crawler_law(gain, xi, epsilon);
+        u[i] = u_i;
+        outside = outside_next;
     }
     return outside ? CRAWLER_OUTSIDE_TUBE : CRAWLER_OK;
 }
@@ -510,35 +474,21 @@ crawler_real crawler_margin(crawler_real t, const crawler_real x[CRAWLER_N])
     crawler_real margin = 0.5F;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const crawler_real lower_q0 = crawler_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const crawler_real lower_q1 = crawler_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const crawler_real lower_q2 = crawler_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const crawler_real lower_q3 = crawler_coefficients[lower_3];
-        const crawler_real lower_edge = crawler_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const crawler_real upper_q0 = crawler_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const crawler_real upper_q1 = crawler_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const crawler_real upper_q2 = crawler_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const crawler_real upper_q3 = crawler_coefficients[upper_3];
-        const crawler_real upper_edge = crawler_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const crawler_real lower_edge = crawler_edge_at(lower_at, w0, w1, w2, w3);
+        const crawler_real upper_edge = crawler_edge_at(upper_at, w0, w1, w2, w3);
         const crawler_real x_i = x[i];
-        const crawler_real room = upper_edge - lower_edge;
+        const crawler_real width = upper_edge - lower_edge;
         const crawler_real to_lower = x_i - lower_edge;
         const crawler_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const crawler_real nearest = upper_nearer ? to_upper : to_lower;
-        const crawler_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const crawler_real held_share = beyond ? (-1.0F) : share;
-        const bool less = held_share < margin;
-        const crawler_real margin_next = less ? held_share : margin;
+        const bool x_nearer = to_upper < to_lower;
+        const crawler_real x_distance = x_nearer ? to_upper : to_lower;
+        const crawler_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const crawler_real margin_x = x_beyond ? (-1.0F) : x_share;
+        const bool less = margin_x < margin;
+        const crawler_real margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -564,34 +514,20 @@ void crawler_margins(crawler_real t, const crawler_real x[CRAWLER_N], crawler_re
     crawler_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const crawler_real lower_q0 = crawler_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const crawler_real lower_q1 = crawler_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const crawler_real lower_q2 = crawler_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const crawler_real lower_q3 = crawler_coefficients[lower_3];
-        const crawler_real lower_edge = crawler_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const crawler_real upper_q0 = crawler_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const crawler_real upper_q1 = crawler_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const crawler_real upper_q2 = crawler_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const crawler_real upper_q3 = crawler_coefficients[upper_3];
-        const crawler_real upper_edge = crawler_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const crawler_real lower_edge = crawler_edge_at(lower_at, w0, w1, w2, w3);
+        const crawler_real upper_edge = crawler_edge_at(upper_at, w0, w1, w2, w3);
         const crawler_real x_i = x[i];
-        const crawler_real room = upper_edge - lower_edge;
+        const crawler_real width = upper_edge - lower_edge;
         const crawler_real to_lower = x_i - lower_edge;
         const crawler_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const crawler_real nearest = upper_nearer ? to_upper : to_lower;
-        const crawler_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const crawler_real held_share = beyond ? (-1.0F) : share;
-        margin[i] = held_share;
+        const bool x_nearer = to_upper < to_lower;
+        const crawler_real x_distance = x_nearer ? to_upper : to_lower;
+        const crawler_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const crawler_real margin_x = x_beyond ? (-1.0F) : x_share;
+        margin[i] = margin_x;
     }
 }
 
@@ -600,12 +536,12 @@ bool crawler_covered(const crawler_real x[CRAWLER_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const crawler_real x_i = x[i];
-        const crawler_real start_lower_i = crawler_start_lower[i];
-        const crawler_real start_upper_i = crawler_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const crawler_real x_lower = crawler_start_lower[i];
+        const crawler_real x_upper = crawler_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;
@@ -619,46 +555,46 @@ void crawler_transform(const crawler_real lower[CRAWLER_N], const crawler_real u
         const crawler_real lower_edge = lower[i];
         const crawler_real upper_edge = upper[i];
         const crawler_real x_i = x[i];
-        const crawler_real room = upper_edge - lower_edge;
-        const bool filled = 0.0F < room;
+        const crawler_real width = upper_edge - lower_edge;
+        const bool filled = 0.0F < width;
         const bool empty = !filled;
-        const bool wide = 9.536743e-7F < room;
-        const crawler_real width = wide ? room : 9.536743e-7F;
+        const bool wide = 9.536743e-7F < width;
+        const crawler_real safe_width = wide ? width : 9.536743e-7F;
         const crawler_real to_lower = x_i - lower_edge;
         const crawler_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const crawler_real nearest = upper_nearer ? to_upper : to_lower;
-        const crawler_real gain = upper_nearer ? (-1.0F) : 1.0F;
-        const crawler_real least = width * 0.005F;
-        const crawler_real widened = width - room;
-        const crawler_real spare = widened * 0.5F;
-        const crawler_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const crawler_real distance = upper_nearer ? to_upper : to_lower;
+        const crawler_real sign = upper_nearer ? (-1.0F) : 1.0F;
+        const crawler_real smallest = safe_width * 0.005F;
+        const crawler_real widened = safe_width - width;
+        const crawler_real half = widened * 0.5F;
+        const crawler_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const crawler_real near = clear ? distance : least;
-        const crawler_real far = width - near;
-        const crawler_real a = upper_nearer ? far : near;
-        const crawler_real b = upper_nearer ? near : far;
-        const crawler_real e_raw = crawler_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99F) < e_raw;
-        const crawler_real e_held_raised = e_held_above ? e_raw : (-0.99F);
-        const bool e_held_over = 0.99F < e_held_raised;
-        const crawler_real e_held = e_held_over ? 0.99F : e_held_raised;
-        crawler_real epsilon_near;
+        const crawler_real to_nearer = clear ? safe_distance : smallest;
+        const crawler_real to_farther = safe_width - to_nearer;
+        const crawler_real a = upper_nearer ? to_farther : to_nearer;
+        const crawler_real b = upper_nearer ? to_nearer : to_farther;
+        const crawler_real e_i = crawler_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99F) < e_i;
+        const crawler_real e_raised = e_above ? e_i : (-0.99F);
+        const bool e_beyond = 0.99F < e_raised;
+        const crawler_real e_limited = e_beyond ? 0.99F : e_raised;
+        crawler_real epsilon_nearer;
         crawler_real xi_i;
-        crawler_transformed_error(near, far, &epsilon_near, &xi_i);
-        const crawler_real epsilon_i = gain * epsilon_near;
+        crawler_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const crawler_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const crawler_real e_settled = empty ? 0.0F : e_held;
-        const crawler_real e_out = finite ? e_settled : (crawler_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const crawler_real e_or_zero = empty ? 0.0F : e_limited;
+        const crawler_real e_out = finite ? e_or_zero : (crawler_real)NAN;
         e[i] = e_out;
-        const crawler_real epsilon_settled = empty ? 0.0F : epsilon_i;
-        const crawler_real epsilon_out = finite ? epsilon_settled : (crawler_real)NAN;
+        const crawler_real epsilon_or_zero = empty ? 0.0F : epsilon_i;
+        const crawler_real epsilon_out = finite ? epsilon_or_zero : (crawler_real)NAN;
         epsilon[i] = epsilon_out;
-        const crawler_real xi_settled = empty ? 0.0F : xi_i;
-        const crawler_real xi_out = finite ? xi_settled : (crawler_real)NAN;
+        const crawler_real xi_or_zero = empty ? 0.0F : xi_i;
+        const crawler_real xi_out = finite ? xi_or_zero : (crawler_real)NAN;
         xi[i] = xi_out;
     }
 }

@@ -186,9 +186,17 @@ fn basis_rate(s: Real) -> (Real, Real, Real, Real) {
     (v5, v12, v14, v18)
 }
 
-// An edge of the tube (or its slope in spline time): sum of w_j q_j.
+// An edge of the tube (or its slope in spline time): sum of w_j q_j,
+// of the control points that stand at `at` and one, two and three rows after it.
 #[inline]
-fn blend(w0: Real, w1: Real, w2: Real, w3: Real, q0: Real, q1: Real, q2: Real, q3: Real) -> Real {
+fn edge_at(at: i32, w0: Real, w1: Real, w2: Real, w3: Real) -> Real {
+    let q0: Real = COEFFICIENTS[at as usize];
+    let at_1: i32 = at + 4;
+    let q1: Real = COEFFICIENTS[at_1 as usize];
+    let at_2: i32 = at + 8;
+    let q2: Real = COEFFICIENTS[at_2 as usize];
+    let at_3: i32 = at + 12;
+    let q3: Real = COEFFICIENTS[at_3 as usize];
     let v0: Real = w0 * q0;
     let v1: Real = w1 * q1;
     let v2: Real = v0 + v1;
@@ -258,25 +266,11 @@ pub fn tube(t: Real) -> ([Real; 2], [Real; 2]) {
     let (w0, w1, w2, w3) = self::basis(s);
     for i in 0..2 {
         let pair: i32 = i * 2;
-        let at: i32 = row + pair;
-        let lower_q0: Real = COEFFICIENTS[at as usize];
-        let lower_1: i32 = at + 4;
-        let lower_q1: Real = COEFFICIENTS[lower_1 as usize];
-        let lower_2: i32 = at + 8;
-        let lower_q2: Real = COEFFICIENTS[lower_2 as usize];
-        let lower_3: i32 = at + 12;
-        let lower_q3: Real = COEFFICIENTS[lower_3 as usize];
-        let lower_edge = self::blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        let lower_at: i32 = row + pair;
+        let upper_at: i32 = lower_at + 1;
+        let lower_edge = self::edge_at(lower_at, w0, w1, w2, w3);
+        let upper_edge = self::edge_at(upper_at, w0, w1, w2, w3);
         lower[i as usize] = lower_edge;
-        let upper_0: i32 = at + 1;
-        let upper_q0: Real = COEFFICIENTS[upper_0 as usize];
-        let upper_1: i32 = at + 5;
-        let upper_q1: Real = COEFFICIENTS[upper_1 as usize];
-        let upper_2: i32 = at + 9;
-        let upper_q2: Real = COEFFICIENTS[upper_2 as usize];
-        let upper_3: i32 = at + 13;
-        let upper_q3: Real = COEFFICIENTS[upper_3 as usize];
-        let upper_edge = self::blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i as usize] = upper_edge;
     }
     (lower, upper)
@@ -303,27 +297,13 @@ pub fn tube_rate(t: Real) -> ([Real; 2], [Real; 2]) {
     let per_second: Real = if moving { 5.3333335 } else { 0.0 };
     for i in 0..2 {
         let pair: i32 = i * 2;
-        let at: i32 = row + pair;
-        let lower_q0: Real = COEFFICIENTS[at as usize];
-        let lower_1: i32 = at + 4;
-        let lower_q1: Real = COEFFICIENTS[lower_1 as usize];
-        let lower_2: i32 = at + 8;
-        let lower_q2: Real = COEFFICIENTS[lower_2 as usize];
-        let lower_3: i32 = at + 12;
-        let lower_q3: Real = COEFFICIENTS[lower_3 as usize];
-        let lower_slope = self::blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        let lower_at: i32 = row + pair;
+        let upper_at: i32 = lower_at + 1;
+        let lower_slope = self::edge_at(lower_at, dw0, dw1, dw2, dw3);
         let lower_speed: Real = lower_slope * per_second;
-        lower_rate[i as usize] = lower_speed;
-        let upper_0: i32 = at + 1;
-        let upper_q0: Real = COEFFICIENTS[upper_0 as usize];
-        let upper_1: i32 = at + 5;
-        let upper_q1: Real = COEFFICIENTS[upper_1 as usize];
-        let upper_2: i32 = at + 9;
-        let upper_q2: Real = COEFFICIENTS[upper_2 as usize];
-        let upper_3: i32 = at + 13;
-        let upper_q3: Real = COEFFICIENTS[upper_3 as usize];
-        let upper_slope = self::blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        let upper_slope = self::edge_at(upper_at, dw0, dw1, dw2, dw3);
         let upper_speed: Real = upper_slope * per_second;
+        lower_rate[i as usize] = lower_speed;
         upper_rate[i as usize] = upper_speed;
     }
     (lower_rate, upper_rate)
@@ -347,8 +327,8 @@ pub fn control(t: Real, x: &[Real; 2]) -> ([Real; 2], Status) {
     let finite: bool = zero <= 0.0;
     let bad: bool = !finite;
     if bad {
-        for j2 in 0..2 {
-            u[j2 as usize] = 0.0;
+        for m in 0..2 {
+            u[m as usize] = 0.0;
         }
         return (u, Status::BadInput);
     }
@@ -357,43 +337,29 @@ pub fn control(t: Real, x: &[Real; 2]) -> ([Real; 2], Status) {
     let mut outside: bool = false;
     for i in 0..2 {
         let pair: i32 = i * 2;
-        let at: i32 = row + pair;
-        let lower_q0: Real = COEFFICIENTS[at as usize];
-        let lower_1: i32 = at + 4;
-        let lower_q1: Real = COEFFICIENTS[lower_1 as usize];
-        let lower_2: i32 = at + 8;
-        let lower_q2: Real = COEFFICIENTS[lower_2 as usize];
-        let lower_3: i32 = at + 12;
-        let lower_q3: Real = COEFFICIENTS[lower_3 as usize];
-        let lower_edge = self::blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        let upper_0: i32 = at + 1;
-        let upper_q0: Real = COEFFICIENTS[upper_0 as usize];
-        let upper_1: i32 = at + 5;
-        let upper_q1: Real = COEFFICIENTS[upper_1 as usize];
-        let upper_2: i32 = at + 9;
-        let upper_q2: Real = COEFFICIENTS[upper_2 as usize];
-        let upper_3: i32 = at + 13;
-        let upper_q3: Real = COEFFICIENTS[upper_3 as usize];
-        let upper_edge = self::blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        let lower_at: i32 = row + pair;
+        let upper_at: i32 = lower_at + 1;
+        let lower_edge = self::edge_at(lower_at, w0, w1, w2, w3);
+        let upper_edge = self::edge_at(upper_at, w0, w1, w2, w3);
         let x_i: Real = x[i as usize];
         let gain_i: Real = GAIN[i as usize];
         let gain_minus: Real = -gain_i;
-        let room: Real = upper_edge - lower_edge;
+        let width: Real = upper_edge - lower_edge;
         let to_lower: Real = x_i - lower_edge;
         let to_upper: Real = upper_edge - x_i;
         let upper_nearer: bool = to_upper < to_lower;
-        let nearest: Real = if upper_nearer { to_upper } else { to_lower };
+        let distance: Real = if upper_nearer { to_upper } else { to_lower };
         let gain: Real = if upper_nearer { gain_minus } else { gain_i };
-        let least: Real = room * 0.005;
-        let clear: bool = least < nearest;
-        let near: Real = if clear { nearest } else { least };
-        let far: Real = room - near;
-        let within: bool = 0.0 < nearest;
-        let outside_any: bool = if within { outside } else { true };
-        let (epsilon, xi) = self::transformed_error(near, far);
-        let push = self::law(gain, xi, epsilon);
-        u[i as usize] = push;
-        outside = outside_any;
+        let smallest: Real = width * 0.005;
+        let clear: bool = smallest < distance;
+        let to_nearer: Real = if clear { distance } else { smallest };
+        let to_farther: Real = width - to_nearer;
+        let inside: bool = 0.0 < distance;
+        let outside_next: bool = if inside { outside } else { true };
+        let (epsilon, xi) = self::transformed_error(to_nearer, to_farther);
+        let u_i = self::law(gain, xi, epsilon);
+        u[i as usize] = u_i;
+        outside = outside_next;
     }
     (u, if outside { Status::OutsideTube } else { Status::Ok })
 }
@@ -415,8 +381,8 @@ pub fn control_tick(tick: u32, x: &[Real; 2]) -> ([Real; 2], Status) {
     let finite: bool = zero <= 0.0;
     let bad: bool = !finite;
     if bad {
-        for j2 in 0..2 {
-            u[j2 as usize] = 0.0;
+        for m in 0..2 {
+            u[m as usize] = 0.0;
         }
         return (u, Status::BadInput);
     }
@@ -425,43 +391,29 @@ pub fn control_tick(tick: u32, x: &[Real; 2]) -> ([Real; 2], Status) {
     let mut outside: bool = false;
     for i in 0..2 {
         let pair: i32 = i * 2;
-        let at: i32 = row + pair;
-        let lower_q0: Real = COEFFICIENTS[at as usize];
-        let lower_1: i32 = at + 4;
-        let lower_q1: Real = COEFFICIENTS[lower_1 as usize];
-        let lower_2: i32 = at + 8;
-        let lower_q2: Real = COEFFICIENTS[lower_2 as usize];
-        let lower_3: i32 = at + 12;
-        let lower_q3: Real = COEFFICIENTS[lower_3 as usize];
-        let lower_edge = self::blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        let upper_0: i32 = at + 1;
-        let upper_q0: Real = COEFFICIENTS[upper_0 as usize];
-        let upper_1: i32 = at + 5;
-        let upper_q1: Real = COEFFICIENTS[upper_1 as usize];
-        let upper_2: i32 = at + 9;
-        let upper_q2: Real = COEFFICIENTS[upper_2 as usize];
-        let upper_3: i32 = at + 13;
-        let upper_q3: Real = COEFFICIENTS[upper_3 as usize];
-        let upper_edge = self::blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        let lower_at: i32 = row + pair;
+        let upper_at: i32 = lower_at + 1;
+        let lower_edge = self::edge_at(lower_at, w0, w1, w2, w3);
+        let upper_edge = self::edge_at(upper_at, w0, w1, w2, w3);
         let x_i: Real = x[i as usize];
         let gain_i: Real = GAIN[i as usize];
         let gain_minus: Real = -gain_i;
-        let room: Real = upper_edge - lower_edge;
+        let width: Real = upper_edge - lower_edge;
         let to_lower: Real = x_i - lower_edge;
         let to_upper: Real = upper_edge - x_i;
         let upper_nearer: bool = to_upper < to_lower;
-        let nearest: Real = if upper_nearer { to_upper } else { to_lower };
+        let distance: Real = if upper_nearer { to_upper } else { to_lower };
         let gain: Real = if upper_nearer { gain_minus } else { gain_i };
-        let least: Real = room * 0.005;
-        let clear: bool = least < nearest;
-        let near: Real = if clear { nearest } else { least };
-        let far: Real = room - near;
-        let within: bool = 0.0 < nearest;
-        let outside_any: bool = if within { outside } else { true };
-        let (epsilon, xi) = self::transformed_error(near, far);
-        let push = self::law(gain, xi, epsilon);
-        u[i as usize] = push;
-        outside = outside_any;
+        let smallest: Real = width * 0.005;
+        let clear: bool = smallest < distance;
+        let to_nearer: Real = if clear { distance } else { smallest };
+        let to_farther: Real = width - to_nearer;
+        let inside: bool = 0.0 < distance;
+        let outside_next: bool = if inside { outside } else { true };
+        let (epsilon, xi) = self::transformed_error(to_nearer, to_farther);
+        let u_i = self::law(gain, xi, epsilon);
+        u[i as usize] = u_i;
+        outside = outside_next;
     }
     (u, if outside { Status::OutsideTube } else { Status::Ok })
 }
@@ -489,35 +441,21 @@ pub fn margin(t: Real, x: &[Real; 2]) -> Real {
     let mut margin: Real = 0.5;
     for i in 0..2 {
         let pair: i32 = i * 2;
-        let at: i32 = row + pair;
-        let lower_q0: Real = COEFFICIENTS[at as usize];
-        let lower_1: i32 = at + 4;
-        let lower_q1: Real = COEFFICIENTS[lower_1 as usize];
-        let lower_2: i32 = at + 8;
-        let lower_q2: Real = COEFFICIENTS[lower_2 as usize];
-        let lower_3: i32 = at + 12;
-        let lower_q3: Real = COEFFICIENTS[lower_3 as usize];
-        let lower_edge = self::blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        let upper_0: i32 = at + 1;
-        let upper_q0: Real = COEFFICIENTS[upper_0 as usize];
-        let upper_1: i32 = at + 5;
-        let upper_q1: Real = COEFFICIENTS[upper_1 as usize];
-        let upper_2: i32 = at + 9;
-        let upper_q2: Real = COEFFICIENTS[upper_2 as usize];
-        let upper_3: i32 = at + 13;
-        let upper_q3: Real = COEFFICIENTS[upper_3 as usize];
-        let upper_edge = self::blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        let lower_at: i32 = row + pair;
+        let upper_at: i32 = lower_at + 1;
+        let lower_edge = self::edge_at(lower_at, w0, w1, w2, w3);
+        let upper_edge = self::edge_at(upper_at, w0, w1, w2, w3);
         let x_i: Real = x[i as usize];
-        let room: Real = upper_edge - lower_edge;
+        let width: Real = upper_edge - lower_edge;
         let to_lower: Real = x_i - lower_edge;
         let to_upper: Real = upper_edge - x_i;
-        let upper_nearer: bool = to_upper < to_lower;
-        let nearest: Real = if upper_nearer { to_upper } else { to_lower };
-        let share: Real = nearest / room;
-        let beyond: bool = share < -1.0;
-        let held_share: Real = if beyond { -1.0 } else { share };
-        let less: bool = held_share < margin;
-        let margin_next: Real = if less { held_share } else { margin };
+        let x_nearer: bool = to_upper < to_lower;
+        let x_distance: Real = if x_nearer { to_upper } else { to_lower };
+        let x_share: Real = x_distance / width;
+        let x_beyond: bool = x_share < -1.0;
+        let margin_x: Real = if x_beyond { -1.0 } else { x_share };
+        let less: bool = margin_x < margin;
+        let margin_next: Real = if less { margin_x } else { margin };
         margin = margin_next;
     }
     margin
@@ -540,34 +478,20 @@ pub fn margins(t: Real, x: &[Real; 2]) -> [Real; 2] {
     let (w0, w1, w2, w3) = self::basis(s);
     for i in 0..2 {
         let pair: i32 = i * 2;
-        let at: i32 = row + pair;
-        let lower_q0: Real = COEFFICIENTS[at as usize];
-        let lower_1: i32 = at + 4;
-        let lower_q1: Real = COEFFICIENTS[lower_1 as usize];
-        let lower_2: i32 = at + 8;
-        let lower_q2: Real = COEFFICIENTS[lower_2 as usize];
-        let lower_3: i32 = at + 12;
-        let lower_q3: Real = COEFFICIENTS[lower_3 as usize];
-        let lower_edge = self::blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        let upper_0: i32 = at + 1;
-        let upper_q0: Real = COEFFICIENTS[upper_0 as usize];
-        let upper_1: i32 = at + 5;
-        let upper_q1: Real = COEFFICIENTS[upper_1 as usize];
-        let upper_2: i32 = at + 9;
-        let upper_q2: Real = COEFFICIENTS[upper_2 as usize];
-        let upper_3: i32 = at + 13;
-        let upper_q3: Real = COEFFICIENTS[upper_3 as usize];
-        let upper_edge = self::blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        let lower_at: i32 = row + pair;
+        let upper_at: i32 = lower_at + 1;
+        let lower_edge = self::edge_at(lower_at, w0, w1, w2, w3);
+        let upper_edge = self::edge_at(upper_at, w0, w1, w2, w3);
         let x_i: Real = x[i as usize];
-        let room: Real = upper_edge - lower_edge;
+        let width: Real = upper_edge - lower_edge;
         let to_lower: Real = x_i - lower_edge;
         let to_upper: Real = upper_edge - x_i;
-        let upper_nearer: bool = to_upper < to_lower;
-        let nearest: Real = if upper_nearer { to_upper } else { to_lower };
-        let share: Real = nearest / room;
-        let beyond: bool = share < -1.0;
-        let held_share: Real = if beyond { -1.0 } else { share };
-        margin[i as usize] = held_share;
+        let x_nearer: bool = to_upper < to_lower;
+        let x_distance: Real = if x_nearer { to_upper } else { to_lower };
+        let x_share: Real = x_distance / width;
+        let x_beyond: bool = x_share < -1.0;
+        let margin_x: Real = if x_beyond { -1.0 } else { x_share };
+        margin[i as usize] = margin_x;
     }
     margin
 }
@@ -582,12 +506,12 @@ pub fn covered(x: &[Real; 2]) -> bool {
     let mut covered: bool = true;
     for i in 0..2 {
         let x_i: Real = x[i as usize];
-        let start_lower_i: Real = START_LOWER[i as usize];
-        let start_upper_i: Real = START_UPPER[i as usize];
-        let x_i_after: bool = start_lower_i < x_i;
-        let x_i_before: bool = x_i < start_upper_i;
-        let x_i_between: bool = x_i_after && x_i_before;
-        let covered_next: bool = if x_i_between { covered } else { false };
+        let x_lower: Real = START_LOWER[i as usize];
+        let x_upper: Real = START_UPPER[i as usize];
+        let x_above: bool = x_lower < x_i;
+        let x_below: bool = x_i < x_upper;
+        let x_inside: bool = x_above && x_below;
+        let covered_next: bool = if x_inside { covered } else { false };
         covered = covered_next;
     }
     covered
@@ -612,44 +536,44 @@ pub fn transform(
         let lower_edge: Real = lower[i as usize];
         let upper_edge: Real = upper[i as usize];
         let x_i: Real = x[i as usize];
-        let room: Real = upper_edge - lower_edge;
-        let filled: bool = 0.0 < room;
+        let width: Real = upper_edge - lower_edge;
+        let filled: bool = 0.0 < width;
         let empty: bool = !filled;
-        let wide: bool = 9.536743e-7 < room;
-        let width: Real = if wide { room } else { 9.536743e-7 };
+        let wide: bool = 9.536743e-7 < width;
+        let safe_width: Real = if wide { width } else { 9.536743e-7 };
         let to_lower: Real = x_i - lower_edge;
         let to_upper: Real = upper_edge - x_i;
         let upper_nearer: bool = to_upper < to_lower;
-        let nearest: Real = if upper_nearer { to_upper } else { to_lower };
-        let gain: Real = if upper_nearer { -1.0 } else { 1.0 };
-        let least: Real = width * 0.005;
-        let widened: Real = width - room;
-        let spare: Real = widened * 0.5;
-        let distance: Real = nearest + spare;
-        let farther: bool = least < distance;
+        let distance: Real = if upper_nearer { to_upper } else { to_lower };
+        let sign: Real = if upper_nearer { -1.0 } else { 1.0 };
+        let smallest: Real = safe_width * 0.005;
+        let widened: Real = safe_width - width;
+        let half: Real = widened * 0.5;
+        let safe_distance: Real = distance + half;
+        let farther: bool = smallest < safe_distance;
         let clear: bool = filled && farther;
-        let near: Real = if clear { distance } else { least };
-        let far: Real = width - near;
-        let a: Real = if upper_nearer { far } else { near };
-        let b: Real = if upper_nearer { near } else { far };
-        let e_raw = self::normalized_error(a, b, width);
-        let e_held_above: bool = -0.99 < e_raw;
-        let e_held_raised: Real = if e_held_above { e_raw } else { -0.99 };
-        let e_held_over: bool = 0.99 < e_held_raised;
-        let e_held: Real = if e_held_over { 0.99 } else { e_held_raised };
-        let (epsilon_near, xi_i) = self::transformed_error(near, far);
-        let epsilon_i: Real = gain * epsilon_near;
+        let to_nearer: Real = if clear { safe_distance } else { smallest };
+        let to_farther: Real = safe_width - to_nearer;
+        let a: Real = if upper_nearer { to_farther } else { to_nearer };
+        let b: Real = if upper_nearer { to_nearer } else { to_farther };
+        let e_i = self::normalized_error(a, b, safe_width);
+        let e_above: bool = -0.99 < e_i;
+        let e_raised: Real = if e_above { e_i } else { -0.99 };
+        let e_beyond: bool = 0.99 < e_raised;
+        let e_limited: Real = if e_beyond { 0.99 } else { e_raised };
+        let (epsilon_nearer, xi_i) = self::transformed_error(to_nearer, to_farther);
+        let epsilon_i: Real = sign * epsilon_nearer;
         let finite_x: bool = x_i.is_finite();
-        let finite_room: bool = room.is_finite();
-        let finite: bool = finite_x && finite_room;
-        let e_settled: Real = if empty { 0.0 } else { e_held };
-        let e_out: Real = if finite { e_settled } else { Real::NAN };
+        let finite_width: bool = width.is_finite();
+        let finite: bool = finite_x && finite_width;
+        let e_or_zero: Real = if empty { 0.0 } else { e_limited };
+        let e_out: Real = if finite { e_or_zero } else { Real::NAN };
         e[i as usize] = e_out;
-        let epsilon_settled: Real = if empty { 0.0 } else { epsilon_i };
-        let epsilon_out: Real = if finite { epsilon_settled } else { Real::NAN };
+        let epsilon_or_zero: Real = if empty { 0.0 } else { epsilon_i };
+        let epsilon_out: Real = if finite { epsilon_or_zero } else { Real::NAN };
         epsilon[i as usize] = epsilon_out;
-        let xi_settled: Real = if empty { 0.0 } else { xi_i };
-        let xi_out: Real = if finite { xi_settled } else { Real::NAN };
+        let xi_or_zero: Real = if empty { 0.0 } else { xi_i };
+        let xi_out: Real = if finite { xi_or_zero } else { Real::NAN };
         xi[i as usize] = xi_out;
     }
     (e, epsilon, xi)

@@ -17,11 +17,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "drone.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "drone.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "drone.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
 #error "drone.c: compile for double arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:
@@ -204,10 +215,18 @@ static inline void drone_basis_rate(drone_real s, drone_real *dw0, drone_real *d
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline drone_real drone_blend(drone_real w0, drone_real w1, drone_real w2, drone_real w3, drone_real q0,
-                                     drone_real q1, drone_real q2, drone_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline drone_real drone_edge_at(int32_t at, drone_real w0, drone_real w1, drone_real w2, drone_real w3)
 {
+    const drone_real q0 = drone_coefficients[at];
+    const int32_t at_1 = at + 6;
+    const drone_real q1 = drone_coefficients[at_1];
+    const int32_t at_2 = at + 12;
+    const drone_real q2 = drone_coefficients[at_2];
+    const int32_t at_3 = at + 18;
+    const drone_real q3 = drone_coefficients[at_3];
     const drone_real v0 = w0 * q0;
     const drone_real v1 = w1 * q1;
     const drone_real v2 = v0 + v1;
@@ -268,25 +287,11 @@ void drone_tube(drone_real t, drone_real lower[DRONE_N], drone_real upper[DRONE_
     drone_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const drone_real lower_q0 = drone_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const drone_real lower_q1 = drone_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const drone_real lower_q2 = drone_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const drone_real lower_q3 = drone_coefficients[lower_3];
-        const drone_real lower_edge = drone_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const drone_real lower_edge = drone_edge_at(lower_at, w0, w1, w2, w3);
+        const drone_real upper_edge = drone_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const drone_real upper_q0 = drone_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const drone_real upper_q1 = drone_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const drone_real upper_q2 = drone_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const drone_real upper_q3 = drone_coefficients[upper_3];
-        const drone_real upper_edge = drone_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -314,27 +319,13 @@ void drone_tube_rate(drone_real t, drone_real lower_rate[DRONE_N], drone_real up
     const drone_real per_second = moving ? 2.6666666666666665 : 0.0;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const drone_real lower_q0 = drone_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const drone_real lower_q1 = drone_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const drone_real lower_q2 = drone_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const drone_real lower_q3 = drone_coefficients[lower_3];
-        const drone_real lower_slope = drone_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const drone_real lower_slope = drone_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const drone_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const drone_real upper_q0 = drone_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const drone_real upper_q1 = drone_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const drone_real upper_q2 = drone_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const drone_real upper_q3 = drone_coefficients[upper_3];
-        const drone_real upper_slope = drone_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const drone_real upper_slope = drone_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const drone_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -365,35 +356,21 @@ void drone_filtered_tube(drone_real t, drone_real lower[DRONE_N], drone_real upp
     drone_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const drone_real lower_q0 = drone_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const drone_real lower_q1 = drone_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const drone_real lower_q2 = drone_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const drone_real lower_q3 = drone_coefficients[lower_3];
-        const drone_real lower_edge = drone_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const drone_real lower_slope = drone_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const drone_real lower_edge = drone_edge_at(lower_at, w0, w1, w2, w3);
+        const drone_real upper_edge = drone_edge_at(upper_at, w0, w1, w2, w3);
+        const drone_real lower_slope = drone_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const drone_real lower_rate = lower_slope * 2.6666666666666665;
-        const int32_t upper_0 = at + 1;
-        const drone_real upper_q0 = drone_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const drone_real upper_q1 = drone_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const drone_real upper_q2 = drone_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const drone_real upper_q3 = drone_coefficients[upper_3];
-        const drone_real upper_edge = drone_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const drone_real upper_slope = drone_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const drone_real upper_slope = drone_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const drone_real upper_rate = upper_slope * 2.6666666666666665;
         const drone_real filter_i = drone_filter[i];
-        const drone_real filtered = lower_edge * filter_i;
-        const drone_real edge = lower_rate + filtered;
-        lower[i] = edge;
-        const drone_real filtered2 = upper_edge * filter_i;
-        const drone_real edge2 = upper_rate + filtered2;
-        upper[i] = edge2;
+        const drone_real lower_part = lower_edge * filter_i;
+        const drone_real z_lower = lower_rate + lower_part;
+        lower[i] = z_lower;
+        const drone_real upper_part = upper_edge * filter_i;
+        const drone_real z_upper = upper_rate + upper_part;
+        upper[i] = z_upper;
     }
 }
 
@@ -408,18 +385,18 @@ drone_status drone_control(drone_real t, const drone_real x[DRONE_N], const dron
         const drone_real zeros = zero + x_zero;
         zero = zeros;
     }
-    drone_real zero2 = zero;
-    for (int32_t j2 = 0; j2 < 3; ++j2) {
-        const drone_real v_j = v[j2];
-        const drone_real v_zero = v_j * 0.0;
-        const drone_real zeros2 = zero2 + v_zero;
-        zero2 = zeros2;
+    drone_real v_zeros = zero;
+    for (int32_t k = 0; k < 3; ++k) {
+        const drone_real v_k = v[k];
+        const drone_real v_zero = v_k * 0.0;
+        const drone_real v_sum = v_zeros + v_zero;
+        v_zeros = v_sum;
     }
-    const bool finite = zero2 <= 0.0;
+    const bool finite = v_zeros <= 0.0;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j3 = 0; j3 < 3; ++j3) {
-            u[j3] = 0.0;
+        for (int32_t m = 0; m < 3; ++m) {
+            u[m] = 0.0;
         }
         return DRONE_BAD_INPUT;
     }
@@ -439,70 +416,56 @@ drone_status drone_control(drone_real t, const drone_real x[DRONE_N], const dron
     bool outside = false;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const drone_real lower_q0 = drone_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const drone_real lower_q1 = drone_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const drone_real lower_q2 = drone_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const drone_real lower_q3 = drone_coefficients[lower_3];
-        const drone_real lower_edge = drone_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const drone_real lower_slope = drone_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const drone_real lower_edge = drone_edge_at(lower_at, w0, w1, w2, w3);
+        const drone_real upper_edge = drone_edge_at(upper_at, w0, w1, w2, w3);
+        const drone_real lower_slope = drone_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const drone_real lower_rate = lower_slope * 2.6666666666666665;
-        const int32_t upper_0 = at + 1;
-        const drone_real upper_q0 = drone_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const drone_real upper_q1 = drone_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const drone_real upper_q2 = drone_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const drone_real upper_q3 = drone_coefficients[upper_3];
-        const drone_real upper_edge = drone_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const drone_real upper_slope = drone_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const drone_real upper_slope = drone_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const drone_real upper_rate = upper_slope * 2.6666666666666665;
         const drone_real x_i = x[i];
         const drone_real v_i = v[i];
-        const drone_real room = upper_edge - lower_edge;
+        const drone_real width = upper_edge - lower_edge;
         const drone_real to_lower = x_i - lower_edge;
         const drone_real to_upper = upper_edge - x_i;
-        const drone_real room2 = upper_rate - lower_rate;
-        const drone_real to_lower2 = v_i - lower_rate;
-        const drone_real to_upper2 = upper_rate - v_i;
+        const drone_real v_width = upper_rate - lower_rate;
+        const drone_real v_to_lower = v_i - lower_rate;
+        const drone_real v_to_upper = upper_rate - v_i;
         const drone_real filter_i = drone_filter[i];
         const drone_real gain_i = drone_gain[i];
         const drone_real gain_minus = -gain_i;
-        const drone_real filtered = room * filter_i;
-        const drone_real room3 = room2 + filtered;
-        const drone_real filtered2 = to_lower * filter_i;
-        const drone_real to_lower3 = to_lower2 + filtered2;
-        const drone_real filtered3 = to_upper * filter_i;
-        const drone_real to_upper3 = to_upper2 + filtered3;
-        const bool upper_nearer = to_upper3 < to_lower3;
-        const drone_real nearest = upper_nearer ? to_upper3 : to_lower3;
+        const drone_real width_part = width * filter_i;
+        const drone_real z_width = v_width + width_part;
+        const drone_real lower_part = to_lower * filter_i;
+        const drone_real z_to_lower = v_to_lower + lower_part;
+        const drone_real upper_part = to_upper * filter_i;
+        const drone_real z_to_upper = v_to_upper + upper_part;
+        const bool upper_nearer = z_to_upper < z_to_lower;
+        const drone_real distance = upper_nearer ? z_to_upper : z_to_lower;
         const drone_real gain = upper_nearer ? gain_minus : gain_i;
-        const drone_real least = room3 * 0.005;
-        const bool clear = least < nearest;
-        const drone_real near = clear ? nearest : least;
-        const drone_real far = room3 - near;
-        const bool over = 0.0 < to_lower;
-        const bool under = 0.0 < to_upper;
-        const bool between = over && under;
-        const bool within = 0.0 < nearest;
-        const bool inside = within && between;
-        const bool outside_any = inside ? outside : true;
+        const drone_real smallest = z_width * 0.005;
+        const bool clear = smallest < distance;
+        const drone_real to_nearer = clear ? distance : smallest;
+        const drone_real to_farther = z_width - to_nearer;
+        const bool x_above = 0.0 < to_lower;
+        const bool x_below = 0.0 < to_upper;
+        const bool x_inside = x_above && x_below;
+        const bool z_inside = 0.0 < distance;
+        const bool inside = z_inside && x_inside;
+        const bool outside_next = inside ? outside : true;
         const drone_real u_limit = drone_u_max[i];
         drone_real epsilon;
         drone_real xi;
-        drone_transformed_error(near, far, &epsilon, &xi);
-        const drone_real push = drone_law(gain, xi, epsilon);
+        drone_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const drone_real u_i = drone_law(gain, xi, epsilon);
         const drone_real u_min = -u_limit;
-        const bool u_held_above = u_min < push;
-        const drone_real u_held_raised = u_held_above ? push : u_min;
-        const bool u_held_over = u_limit < u_held_raised;
-        const drone_real u_held = u_held_over ? u_limit : u_held_raised;
-        u[i] = u_held;
-        outside = outside_any;
+        const bool u_above = u_min < u_i;
+        const drone_real u_raised = u_above ? u_i : u_min;
+        const bool u_beyond = u_limit < u_raised;
+        const drone_real u_limited = u_beyond ? u_limit : u_raised;
+        u[i] = u_limited;
+        outside = outside_next;
     }
     return outside ? DRONE_OUTSIDE_TUBE : DRONE_OK;
 }
@@ -517,14 +480,14 @@ drone_real drone_margin(drone_real t, const drone_real x[DRONE_N], const drone_r
         const drone_real zeros = zero + x_zero;
         zero = zeros;
     }
-    drone_real zero2 = zero;
-    for (int32_t j2 = 0; j2 < 3; ++j2) {
-        const drone_real v_j = v[j2];
-        const drone_real v_zero = v_j * 0.0;
-        const drone_real zeros2 = zero2 + v_zero;
-        zero2 = zeros2;
+    drone_real v_zeros = zero;
+    for (int32_t k = 0; k < 3; ++k) {
+        const drone_real v_k = v[k];
+        const drone_real v_zero = v_k * 0.0;
+        const drone_real v_sum = v_zeros + v_zero;
+        v_zeros = v_sum;
     }
-    const bool finite = zero2 <= 0.0;
+    const bool finite = v_zeros <= 0.0;
     const bool bad = !finite;
     if (bad) {
         return (drone_real)NAN;
@@ -545,57 +508,43 @@ drone_real drone_margin(drone_real t, const drone_real x[DRONE_N], const drone_r
     drone_real margin = 0.5;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const drone_real lower_q0 = drone_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const drone_real lower_q1 = drone_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const drone_real lower_q2 = drone_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const drone_real lower_q3 = drone_coefficients[lower_3];
-        const drone_real lower_edge = drone_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const drone_real lower_slope = drone_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const drone_real lower_edge = drone_edge_at(lower_at, w0, w1, w2, w3);
+        const drone_real upper_edge = drone_edge_at(upper_at, w0, w1, w2, w3);
+        const drone_real lower_slope = drone_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const drone_real lower_rate = lower_slope * 2.6666666666666665;
-        const int32_t upper_0 = at + 1;
-        const drone_real upper_q0 = drone_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const drone_real upper_q1 = drone_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const drone_real upper_q2 = drone_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const drone_real upper_q3 = drone_coefficients[upper_3];
-        const drone_real upper_edge = drone_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const drone_real upper_slope = drone_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const drone_real upper_slope = drone_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const drone_real upper_rate = upper_slope * 2.6666666666666665;
         const drone_real x_i = x[i];
         const drone_real v_i = v[i];
-        const drone_real room = upper_edge - lower_edge;
+        const drone_real width = upper_edge - lower_edge;
         const drone_real to_lower = x_i - lower_edge;
         const drone_real to_upper = upper_edge - x_i;
-        const drone_real room2 = upper_rate - lower_rate;
-        const drone_real to_lower2 = v_i - lower_rate;
-        const drone_real to_upper2 = upper_rate - v_i;
+        const drone_real v_width = upper_rate - lower_rate;
+        const drone_real v_to_lower = v_i - lower_rate;
+        const drone_real v_to_upper = upper_rate - v_i;
         const drone_real filter_i = drone_filter[i];
-        const drone_real filtered = room * filter_i;
-        const drone_real room3 = room2 + filtered;
-        const drone_real filtered2 = to_lower * filter_i;
-        const drone_real to_lower3 = to_lower2 + filtered2;
-        const drone_real filtered3 = to_upper * filter_i;
-        const drone_real to_upper3 = to_upper2 + filtered3;
-        const bool upper_nearer = to_upper3 < to_lower3;
-        const drone_real nearest = upper_nearer ? to_upper3 : to_lower3;
-        const drone_real share = nearest / room3;
-        const bool beyond = share < (-1.0);
-        const drone_real held_share = beyond ? (-1.0) : share;
-        const bool upper_nearer2 = to_upper < to_lower;
-        const drone_real nearest2 = upper_nearer2 ? to_upper : to_lower;
-        const drone_real share2 = nearest2 / room;
-        const bool beyond2 = share2 < (-1.0);
-        const drone_real held_share2 = beyond2 ? (-1.0) : share2;
-        const bool filtered_less = held_share < held_share2;
-        const drone_real lesser = filtered_less ? held_share : held_share2;
-        const bool less = lesser < margin;
-        const drone_real margin_next = less ? lesser : margin;
+        const drone_real width_part = width * filter_i;
+        const drone_real z_width = v_width + width_part;
+        const drone_real lower_part = to_lower * filter_i;
+        const drone_real z_to_lower = v_to_lower + lower_part;
+        const drone_real upper_part = to_upper * filter_i;
+        const drone_real z_to_upper = v_to_upper + upper_part;
+        const bool z_nearer = z_to_upper < z_to_lower;
+        const drone_real z_distance = z_nearer ? z_to_upper : z_to_lower;
+        const drone_real z_share = z_distance / z_width;
+        const bool z_beyond = z_share < (-1.0);
+        const drone_real margin_z = z_beyond ? (-1.0) : z_share;
+        const bool x_nearer = to_upper < to_lower;
+        const drone_real x_distance = x_nearer ? to_upper : to_lower;
+        const drone_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const drone_real margin_x = x_beyond ? (-1.0) : x_share;
+        const bool x_smaller = margin_x < margin_z;
+        const drone_real smaller = x_smaller ? margin_x : margin_z;
+        const bool less = smaller < margin;
+        const drone_real margin_next = less ? smaller : margin;
         margin = margin_next;
     }
     return margin;
@@ -627,56 +576,42 @@ void drone_margins(drone_real t, const drone_real x[DRONE_N], const drone_real v
     drone_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const drone_real lower_q0 = drone_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const drone_real lower_q1 = drone_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const drone_real lower_q2 = drone_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const drone_real lower_q3 = drone_coefficients[lower_3];
-        const drone_real lower_edge = drone_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const drone_real lower_slope = drone_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const drone_real lower_edge = drone_edge_at(lower_at, w0, w1, w2, w3);
+        const drone_real upper_edge = drone_edge_at(upper_at, w0, w1, w2, w3);
+        const drone_real lower_slope = drone_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const drone_real lower_rate = lower_slope * 2.6666666666666665;
-        const int32_t upper_0 = at + 1;
-        const drone_real upper_q0 = drone_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const drone_real upper_q1 = drone_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const drone_real upper_q2 = drone_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const drone_real upper_q3 = drone_coefficients[upper_3];
-        const drone_real upper_edge = drone_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
-        const drone_real upper_slope = drone_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const drone_real upper_slope = drone_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const drone_real upper_rate = upper_slope * 2.6666666666666665;
         const drone_real x_i = x[i];
         const drone_real v_i = v[i];
-        const drone_real room = upper_edge - lower_edge;
+        const drone_real width = upper_edge - lower_edge;
         const drone_real to_lower = x_i - lower_edge;
         const drone_real to_upper = upper_edge - x_i;
-        const drone_real room2 = upper_rate - lower_rate;
-        const drone_real to_lower2 = v_i - lower_rate;
-        const drone_real to_upper2 = upper_rate - v_i;
+        const drone_real v_width = upper_rate - lower_rate;
+        const drone_real v_to_lower = v_i - lower_rate;
+        const drone_real v_to_upper = upper_rate - v_i;
         const drone_real filter_i = drone_filter[i];
-        const drone_real filtered = room * filter_i;
-        const drone_real room3 = room2 + filtered;
-        const drone_real filtered2 = to_lower * filter_i;
-        const drone_real to_lower3 = to_lower2 + filtered2;
-        const drone_real filtered3 = to_upper * filter_i;
-        const drone_real to_upper3 = to_upper2 + filtered3;
-        const bool upper_nearer = to_upper3 < to_lower3;
-        const drone_real nearest = upper_nearer ? to_upper3 : to_lower3;
-        const drone_real share = nearest / room3;
-        const bool beyond = share < (-1.0);
-        const drone_real held_share = beyond ? (-1.0) : share;
-        const bool upper_nearer2 = to_upper < to_lower;
-        const drone_real nearest2 = upper_nearer2 ? to_upper : to_lower;
-        const drone_real share2 = nearest2 / room;
-        const bool beyond2 = share2 < (-1.0);
-        const drone_real held_share2 = beyond2 ? (-1.0) : share2;
-        const bool filtered_less = held_share < held_share2;
-        const drone_real lesser = filtered_less ? held_share : held_share2;
-        margin[i] = lesser;
+        const drone_real width_part = width * filter_i;
+        const drone_real z_width = v_width + width_part;
+        const drone_real lower_part = to_lower * filter_i;
+        const drone_real z_to_lower = v_to_lower + lower_part;
+        const drone_real upper_part = to_upper * filter_i;
+        const drone_real z_to_upper = v_to_upper + upper_part;
+        const bool z_nearer = z_to_upper < z_to_lower;
+        const drone_real z_distance = z_nearer ? z_to_upper : z_to_lower;
+        const drone_real z_share = z_distance / z_width;
+        const bool z_beyond = z_share < (-1.0);
+        const drone_real margin_z = z_beyond ? (-1.0) : z_share;
+        const bool x_nearer = to_upper < to_lower;
+        const drone_real x_distance = x_nearer ? to_upper : to_lower;
+        const drone_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const drone_real margin_x = x_beyond ? (-1.0) : x_share;
+        const bool x_smaller = margin_x < margin_z;
+        const drone_real smaller = x_smaller ? margin_x : margin_z;
+        margin[i] = smaller;
     }
 }
 
@@ -685,21 +620,21 @@ bool drone_covered(const drone_real x[DRONE_N], const drone_real v[DRONE_N])
     bool covered = true;
     for (int32_t i = 0; i < 3; ++i) {
         const drone_real x_i = x[i];
-        const drone_real start_lower_i = drone_start_lower[i];
-        const drone_real start_upper_i = drone_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
+        const drone_real x_lower = drone_start_lower[i];
+        const drone_real x_upper = drone_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
         const drone_real filter_i = drone_filter[i];
-        const drone_real filtered = x_i * filter_i;
+        const drone_real x_part = x_i * filter_i;
         const drone_real v_i = v[i];
-        const drone_real z = v_i + filtered;
-        const drone_real filtered_start_lower_i = drone_filtered_start_lower[i];
-        const drone_real filtered_start_upper_i = drone_filtered_start_upper[i];
-        const bool z_after = filtered_start_lower_i < z;
-        const bool z_before = z < filtered_start_upper_i;
-        const bool z_between = z_after && z_before;
-        const bool inside = x_i_between && z_between;
+        const drone_real z_i = v_i + x_part;
+        const drone_real z_lower = drone_filtered_start_lower[i];
+        const drone_real z_upper = drone_filtered_start_upper[i];
+        const bool z_above = z_lower < z_i;
+        const bool z_below = z_i < z_upper;
+        const bool z_inside = z_above && z_below;
+        const bool inside = x_inside && z_inside;
         const bool covered_next = inside ? covered : false;
         covered = covered_next;
     }
@@ -714,46 +649,46 @@ void drone_transform(const drone_real lower[DRONE_N], const drone_real upper[DRO
         const drone_real lower_edge = lower[i];
         const drone_real upper_edge = upper[i];
         const drone_real x_i = x[i];
-        const drone_real room = upper_edge - lower_edge;
-        const bool filled = 0.0 < room;
+        const drone_real width = upper_edge - lower_edge;
+        const bool filled = 0.0 < width;
         const bool empty = !filled;
-        const bool wide = 9.5367431640625e-7 < room;
-        const drone_real width = wide ? room : 9.5367431640625e-7;
+        const bool wide = 9.5367431640625e-7 < width;
+        const drone_real safe_width = wide ? width : 9.5367431640625e-7;
         const drone_real to_lower = x_i - lower_edge;
         const drone_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const drone_real nearest = upper_nearer ? to_upper : to_lower;
-        const drone_real gain = upper_nearer ? (-1.0) : 1.0;
-        const drone_real least = width * 0.005;
-        const drone_real widened = width - room;
-        const drone_real spare = widened * 0.5;
-        const drone_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const drone_real distance = upper_nearer ? to_upper : to_lower;
+        const drone_real sign = upper_nearer ? (-1.0) : 1.0;
+        const drone_real smallest = safe_width * 0.005;
+        const drone_real widened = safe_width - width;
+        const drone_real half = widened * 0.5;
+        const drone_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const drone_real near = clear ? distance : least;
-        const drone_real far = width - near;
-        const drone_real a = upper_nearer ? far : near;
-        const drone_real b = upper_nearer ? near : far;
-        const drone_real e_raw = drone_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99) < e_raw;
-        const drone_real e_held_raised = e_held_above ? e_raw : (-0.99);
-        const bool e_held_over = 0.99 < e_held_raised;
-        const drone_real e_held = e_held_over ? 0.99 : e_held_raised;
-        drone_real epsilon_near;
+        const drone_real to_nearer = clear ? safe_distance : smallest;
+        const drone_real to_farther = safe_width - to_nearer;
+        const drone_real a = upper_nearer ? to_farther : to_nearer;
+        const drone_real b = upper_nearer ? to_nearer : to_farther;
+        const drone_real e_i = drone_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99) < e_i;
+        const drone_real e_raised = e_above ? e_i : (-0.99);
+        const bool e_beyond = 0.99 < e_raised;
+        const drone_real e_limited = e_beyond ? 0.99 : e_raised;
+        drone_real epsilon_nearer;
         drone_real xi_i;
-        drone_transformed_error(near, far, &epsilon_near, &xi_i);
-        const drone_real epsilon_i = gain * epsilon_near;
+        drone_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const drone_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const drone_real e_settled = empty ? 0.0 : e_held;
-        const drone_real e_out = finite ? e_settled : (drone_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const drone_real e_or_zero = empty ? 0.0 : e_limited;
+        const drone_real e_out = finite ? e_or_zero : (drone_real)NAN;
         e[i] = e_out;
-        const drone_real epsilon_settled = empty ? 0.0 : epsilon_i;
-        const drone_real epsilon_out = finite ? epsilon_settled : (drone_real)NAN;
+        const drone_real epsilon_or_zero = empty ? 0.0 : epsilon_i;
+        const drone_real epsilon_out = finite ? epsilon_or_zero : (drone_real)NAN;
         epsilon[i] = epsilon_out;
-        const drone_real xi_settled = empty ? 0.0 : xi_i;
-        const drone_real xi_out = finite ? xi_settled : (drone_real)NAN;
+        const drone_real xi_or_zero = empty ? 0.0 : xi_i;
+        const drone_real xi_out = finite ? xi_or_zero : (drone_real)NAN;
         xi[i] = xi_out;
     }
 }

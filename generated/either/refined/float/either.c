@@ -14,11 +14,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "either.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "either.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "either.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "either.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 64 + 3 points:
@@ -174,10 +185,19 @@ static inline void either_basis_rate(either_real s, either_real *dw0, either_rea
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline either_real either_blend(either_real w0, either_real w1, either_real w2, either_real w3,
-                                       either_real q0, either_real q1, either_real q2, either_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline either_real either_edge_at(int32_t at, either_real w0, either_real w1, either_real w2,
+                                         either_real w3)
 {
+    const either_real q0 = either_coefficients[at];
+    const int32_t at_1 = at + 4;
+    const either_real q1 = either_coefficients[at_1];
+    const int32_t at_2 = at + 8;
+    const either_real q2 = either_coefficients[at_2];
+    const int32_t at_3 = at + 12;
+    const either_real q3 = either_coefficients[at_3];
     const either_real v0 = w0 * q0;
     const either_real v1 = w1 * q1;
     const either_real v2 = v0 + v1;
@@ -238,25 +258,11 @@ void either_tube(either_real t, either_real lower[EITHER_N], either_real upper[E
     either_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const either_real lower_q0 = either_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const either_real lower_q1 = either_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const either_real lower_q2 = either_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const either_real lower_q3 = either_coefficients[lower_3];
-        const either_real lower_edge = either_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const either_real lower_edge = either_edge_at(lower_at, w0, w1, w2, w3);
+        const either_real upper_edge = either_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const either_real upper_q0 = either_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const either_real upper_q1 = either_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const either_real upper_q2 = either_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const either_real upper_q3 = either_coefficients[upper_3];
-        const either_real upper_edge = either_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -284,27 +290,13 @@ void either_tube_rate(either_real t, either_real lower_rate[EITHER_N], either_re
     const either_real per_second = moving ? 3.5555556F : 0.0F;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const either_real lower_q0 = either_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const either_real lower_q1 = either_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const either_real lower_q2 = either_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const either_real lower_q3 = either_coefficients[lower_3];
-        const either_real lower_slope = either_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const either_real lower_slope = either_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const either_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const either_real upper_q0 = either_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const either_real upper_q1 = either_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const either_real upper_q2 = either_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const either_real upper_q3 = either_coefficients[upper_3];
-        const either_real upper_slope = either_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const either_real upper_slope = either_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const either_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -322,8 +314,8 @@ either_status either_control(either_real t, const either_real x[EITHER_N], eithe
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0F;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0F;
         }
         return EITHER_BAD_INPUT;
     }
@@ -338,43 +330,29 @@ either_status either_control(either_real t, const either_real x[EITHER_N], eithe
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const either_real lower_q0 = either_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const either_real lower_q1 = either_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const either_real lower_q2 = either_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const either_real lower_q3 = either_coefficients[lower_3];
-        const either_real lower_edge = either_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const either_real upper_q0 = either_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const either_real upper_q1 = either_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const either_real upper_q2 = either_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const either_real upper_q3 = either_coefficients[upper_3];
-        const either_real upper_edge = either_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const either_real lower_edge = either_edge_at(lower_at, w0, w1, w2, w3);
+        const either_real upper_edge = either_edge_at(upper_at, w0, w1, w2, w3);
         const either_real x_i = x[i];
-        const either_real room = upper_edge - lower_edge;
+        const either_real width = upper_edge - lower_edge;
         const either_real to_lower = x_i - lower_edge;
         const either_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const either_real nearest = upper_nearer ? to_upper : to_lower;
+        const either_real distance = upper_nearer ? to_upper : to_lower;
         const either_real gain = upper_nearer ? (-0.5F) : 0.5F;
-        const either_real least = room * 0.005F;
-        const bool clear = least < nearest;
-        const either_real near = clear ? nearest : least;
-        const either_real far = room - near;
-        const bool within = 0.0F < nearest;
-        const bool outside_any = within ? outside : true;
+        const either_real smallest = width * 0.005F;
+        const bool clear = smallest < distance;
+        const either_real to_nearer = clear ? distance : smallest;
+        const either_real to_farther = width - to_nearer;
+        const bool inside = 0.0F < distance;
+        const bool outside_next = inside ? outside : true;
         either_real epsilon;
         either_real xi;
-        either_transformed_error(near, far, &epsilon, &xi);
-        const either_real push = either_law(gain, xi, epsilon);
-        u[i] = push;
-        outside = outside_any;
+        either_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const either_real u_i = either_law(gain, xi, epsilon);
+        u[i] = u_i;
+        outside = outside_next;
     }
     return outside ? EITHER_OUTSIDE_TUBE : EITHER_OK;
 }
@@ -405,35 +383,21 @@ either_real either_margin(either_real t, const either_real x[EITHER_N])
     either_real margin = 0.5F;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const either_real lower_q0 = either_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const either_real lower_q1 = either_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const either_real lower_q2 = either_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const either_real lower_q3 = either_coefficients[lower_3];
-        const either_real lower_edge = either_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const either_real upper_q0 = either_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const either_real upper_q1 = either_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const either_real upper_q2 = either_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const either_real upper_q3 = either_coefficients[upper_3];
-        const either_real upper_edge = either_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const either_real lower_edge = either_edge_at(lower_at, w0, w1, w2, w3);
+        const either_real upper_edge = either_edge_at(upper_at, w0, w1, w2, w3);
         const either_real x_i = x[i];
-        const either_real room = upper_edge - lower_edge;
+        const either_real width = upper_edge - lower_edge;
         const either_real to_lower = x_i - lower_edge;
         const either_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const either_real nearest = upper_nearer ? to_upper : to_lower;
-        const either_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const either_real held_share = beyond ? (-1.0F) : share;
-        const bool less = held_share < margin;
-        const either_real margin_next = less ? held_share : margin;
+        const bool x_nearer = to_upper < to_lower;
+        const either_real x_distance = x_nearer ? to_upper : to_lower;
+        const either_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const either_real margin_x = x_beyond ? (-1.0F) : x_share;
+        const bool less = margin_x < margin;
+        const either_real margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -459,34 +423,20 @@ void either_margins(either_real t, const either_real x[EITHER_N], either_real ma
     either_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const either_real lower_q0 = either_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const either_real lower_q1 = either_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const either_real lower_q2 = either_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const either_real lower_q3 = either_coefficients[lower_3];
-        const either_real lower_edge = either_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const either_real upper_q0 = either_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const either_real upper_q1 = either_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const either_real upper_q2 = either_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const either_real upper_q3 = either_coefficients[upper_3];
-        const either_real upper_edge = either_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const either_real lower_edge = either_edge_at(lower_at, w0, w1, w2, w3);
+        const either_real upper_edge = either_edge_at(upper_at, w0, w1, w2, w3);
         const either_real x_i = x[i];
-        const either_real room = upper_edge - lower_edge;
+        const either_real width = upper_edge - lower_edge;
         const either_real to_lower = x_i - lower_edge;
         const either_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const either_real nearest = upper_nearer ? to_upper : to_lower;
-        const either_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const either_real held_share = beyond ? (-1.0F) : share;
-        margin[i] = held_share;
+        const bool x_nearer = to_upper < to_lower;
+        const either_real x_distance = x_nearer ? to_upper : to_lower;
+        const either_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const either_real margin_x = x_beyond ? (-1.0F) : x_share;
+        margin[i] = margin_x;
     }
 }
 
@@ -495,12 +445,12 @@ bool either_covered(const either_real x[EITHER_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const either_real x_i = x[i];
-        const either_real start_lower_i = either_start_lower[i];
-        const either_real start_upper_i = either_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const either_real x_lower = either_start_lower[i];
+        const either_real x_upper = either_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;
@@ -514,46 +464,46 @@ void either_transform(const either_real lower[EITHER_N], const either_real upper
         const either_real lower_edge = lower[i];
         const either_real upper_edge = upper[i];
         const either_real x_i = x[i];
-        const either_real room = upper_edge - lower_edge;
-        const bool filled = 0.0F < room;
+        const either_real width = upper_edge - lower_edge;
+        const bool filled = 0.0F < width;
         const bool empty = !filled;
-        const bool wide = 9.536743e-7F < room;
-        const either_real width = wide ? room : 9.536743e-7F;
+        const bool wide = 9.536743e-7F < width;
+        const either_real safe_width = wide ? width : 9.536743e-7F;
         const either_real to_lower = x_i - lower_edge;
         const either_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const either_real nearest = upper_nearer ? to_upper : to_lower;
-        const either_real gain = upper_nearer ? (-1.0F) : 1.0F;
-        const either_real least = width * 0.005F;
-        const either_real widened = width - room;
-        const either_real spare = widened * 0.5F;
-        const either_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const either_real distance = upper_nearer ? to_upper : to_lower;
+        const either_real sign = upper_nearer ? (-1.0F) : 1.0F;
+        const either_real smallest = safe_width * 0.005F;
+        const either_real widened = safe_width - width;
+        const either_real half = widened * 0.5F;
+        const either_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const either_real near = clear ? distance : least;
-        const either_real far = width - near;
-        const either_real a = upper_nearer ? far : near;
-        const either_real b = upper_nearer ? near : far;
-        const either_real e_raw = either_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99F) < e_raw;
-        const either_real e_held_raised = e_held_above ? e_raw : (-0.99F);
-        const bool e_held_over = 0.99F < e_held_raised;
-        const either_real e_held = e_held_over ? 0.99F : e_held_raised;
-        either_real epsilon_near;
+        const either_real to_nearer = clear ? safe_distance : smallest;
+        const either_real to_farther = safe_width - to_nearer;
+        const either_real a = upper_nearer ? to_farther : to_nearer;
+        const either_real b = upper_nearer ? to_nearer : to_farther;
+        const either_real e_i = either_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99F) < e_i;
+        const either_real e_raised = e_above ? e_i : (-0.99F);
+        const bool e_beyond = 0.99F < e_raised;
+        const either_real e_limited = e_beyond ? 0.99F : e_raised;
+        either_real epsilon_nearer;
         either_real xi_i;
-        either_transformed_error(near, far, &epsilon_near, &xi_i);
-        const either_real epsilon_i = gain * epsilon_near;
+        either_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const either_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const either_real e_settled = empty ? 0.0F : e_held;
-        const either_real e_out = finite ? e_settled : (either_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const either_real e_or_zero = empty ? 0.0F : e_limited;
+        const either_real e_out = finite ? e_or_zero : (either_real)NAN;
         e[i] = e_out;
-        const either_real epsilon_settled = empty ? 0.0F : epsilon_i;
-        const either_real epsilon_out = finite ? epsilon_settled : (either_real)NAN;
+        const either_real epsilon_or_zero = empty ? 0.0F : epsilon_i;
+        const either_real epsilon_out = finite ? epsilon_or_zero : (either_real)NAN;
         epsilon[i] = epsilon_out;
-        const either_real xi_settled = empty ? 0.0F : xi_i;
-        const either_real xi_out = finite ? xi_settled : (either_real)NAN;
+        const either_real xi_or_zero = empty ? 0.0F : xi_i;
+        const either_real xi_out = finite ? xi_or_zero : (either_real)NAN;
         xi[i] = xi_out;
     }
 }

@@ -12,11 +12,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "empty.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "empty.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "empty.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
 #error "empty.c: compile for double arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:
@@ -139,10 +150,18 @@ static inline void empty_basis_rate(empty_real s, empty_real *dw0, empty_real *d
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline empty_real empty_blend(empty_real w0, empty_real w1, empty_real w2, empty_real w3, empty_real q0,
-                                     empty_real q1, empty_real q2, empty_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline empty_real empty_edge_at(int32_t at, empty_real w0, empty_real w1, empty_real w2, empty_real w3)
 {
+    const empty_real q0 = empty_coefficients[at];
+    const int32_t at_1 = at + 4;
+    const empty_real q1 = empty_coefficients[at_1];
+    const int32_t at_2 = at + 8;
+    const empty_real q2 = empty_coefficients[at_2];
+    const int32_t at_3 = at + 12;
+    const empty_real q3 = empty_coefficients[at_3];
     const empty_real v0 = w0 * q0;
     const empty_real v1 = w1 * q1;
     const empty_real v2 = v0 + v1;
@@ -203,25 +222,11 @@ void empty_tube(empty_real t, empty_real lower[EMPTY_N], empty_real upper[EMPTY_
     empty_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const empty_real lower_q0 = empty_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const empty_real lower_q1 = empty_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const empty_real lower_q2 = empty_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const empty_real lower_q3 = empty_coefficients[lower_3];
-        const empty_real lower_edge = empty_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const empty_real lower_edge = empty_edge_at(lower_at, w0, w1, w2, w3);
+        const empty_real upper_edge = empty_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const empty_real upper_q0 = empty_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const empty_real upper_q1 = empty_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const empty_real upper_q2 = empty_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const empty_real upper_q3 = empty_coefficients[upper_3];
-        const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -249,27 +254,13 @@ void empty_tube_rate(empty_real t, empty_real lower_rate[EMPTY_N], empty_real up
     const empty_real per_second = moving ? 8.0 : 0.0;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const empty_real lower_q0 = empty_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const empty_real lower_q1 = empty_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const empty_real lower_q2 = empty_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const empty_real lower_q3 = empty_coefficients[lower_3];
-        const empty_real lower_slope = empty_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const empty_real lower_slope = empty_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const empty_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const empty_real upper_q0 = empty_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const empty_real upper_q1 = empty_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const empty_real upper_q2 = empty_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const empty_real upper_q3 = empty_coefficients[upper_3];
-        const empty_real upper_slope = empty_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const empty_real upper_slope = empty_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const empty_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -287,8 +278,8 @@ empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real
     const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0;
         }
         return EMPTY_BAD_INPUT;
     }
@@ -303,43 +294,29 @@ empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const empty_real lower_q0 = empty_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const empty_real lower_q1 = empty_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const empty_real lower_q2 = empty_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const empty_real lower_q3 = empty_coefficients[lower_3];
-        const empty_real lower_edge = empty_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const empty_real upper_q0 = empty_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const empty_real upper_q1 = empty_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const empty_real upper_q2 = empty_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const empty_real upper_q3 = empty_coefficients[upper_3];
-        const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const empty_real lower_edge = empty_edge_at(lower_at, w0, w1, w2, w3);
+        const empty_real upper_edge = empty_edge_at(upper_at, w0, w1, w2, w3);
         const empty_real x_i = x[i];
-        const empty_real room = upper_edge - lower_edge;
+        const empty_real width = upper_edge - lower_edge;
         const empty_real to_lower = x_i - lower_edge;
         const empty_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const empty_real nearest = upper_nearer ? to_upper : to_lower;
+        const empty_real distance = upper_nearer ? to_upper : to_lower;
         const empty_real gain = upper_nearer ? (-0.5) : 0.5;
-        const empty_real least = room * 0.005;
-        const bool clear = least < nearest;
-        const empty_real near = clear ? nearest : least;
-        const empty_real far = room - near;
-        const bool within = 0.0 < nearest;
-        const bool outside_any = within ? outside : true;
+        const empty_real smallest = width * 0.005;
+        const bool clear = smallest < distance;
+        const empty_real to_nearer = clear ? distance : smallest;
+        const empty_real to_farther = width - to_nearer;
+        const bool inside = 0.0 < distance;
+        const bool outside_next = inside ? outside : true;
         empty_real epsilon;
         empty_real xi;
-        empty_transformed_error(near, far, &epsilon, &xi);
-        const empty_real push = empty_law(gain, xi, epsilon);
-        u[i] = push;
-        outside = outside_any;
+        empty_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const empty_real u_i = empty_law(gain, xi, epsilon);
+        u[i] = u_i;
+        outside = outside_next;
     }
     return outside ? EMPTY_OUTSIDE_TUBE : EMPTY_OK;
 }
@@ -370,35 +347,21 @@ empty_real empty_margin(empty_real t, const empty_real x[EMPTY_N])
     empty_real margin = 0.5;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const empty_real lower_q0 = empty_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const empty_real lower_q1 = empty_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const empty_real lower_q2 = empty_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const empty_real lower_q3 = empty_coefficients[lower_3];
-        const empty_real lower_edge = empty_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const empty_real upper_q0 = empty_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const empty_real upper_q1 = empty_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const empty_real upper_q2 = empty_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const empty_real upper_q3 = empty_coefficients[upper_3];
-        const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const empty_real lower_edge = empty_edge_at(lower_at, w0, w1, w2, w3);
+        const empty_real upper_edge = empty_edge_at(upper_at, w0, w1, w2, w3);
         const empty_real x_i = x[i];
-        const empty_real room = upper_edge - lower_edge;
+        const empty_real width = upper_edge - lower_edge;
         const empty_real to_lower = x_i - lower_edge;
         const empty_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const empty_real nearest = upper_nearer ? to_upper : to_lower;
-        const empty_real share = nearest / room;
-        const bool beyond = share < (-1.0);
-        const empty_real held_share = beyond ? (-1.0) : share;
-        const bool less = held_share < margin;
-        const empty_real margin_next = less ? held_share : margin;
+        const bool x_nearer = to_upper < to_lower;
+        const empty_real x_distance = x_nearer ? to_upper : to_lower;
+        const empty_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const empty_real margin_x = x_beyond ? (-1.0) : x_share;
+        const bool less = margin_x < margin;
+        const empty_real margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -424,34 +387,20 @@ void empty_margins(empty_real t, const empty_real x[EMPTY_N], empty_real margin[
     empty_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const empty_real lower_q0 = empty_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const empty_real lower_q1 = empty_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const empty_real lower_q2 = empty_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const empty_real lower_q3 = empty_coefficients[lower_3];
-        const empty_real lower_edge = empty_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const empty_real upper_q0 = empty_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const empty_real upper_q1 = empty_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const empty_real upper_q2 = empty_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const empty_real upper_q3 = empty_coefficients[upper_3];
-        const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const empty_real lower_edge = empty_edge_at(lower_at, w0, w1, w2, w3);
+        const empty_real upper_edge = empty_edge_at(upper_at, w0, w1, w2, w3);
         const empty_real x_i = x[i];
-        const empty_real room = upper_edge - lower_edge;
+        const empty_real width = upper_edge - lower_edge;
         const empty_real to_lower = x_i - lower_edge;
         const empty_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const empty_real nearest = upper_nearer ? to_upper : to_lower;
-        const empty_real share = nearest / room;
-        const bool beyond = share < (-1.0);
-        const empty_real held_share = beyond ? (-1.0) : share;
-        margin[i] = held_share;
+        const bool x_nearer = to_upper < to_lower;
+        const empty_real x_distance = x_nearer ? to_upper : to_lower;
+        const empty_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const empty_real margin_x = x_beyond ? (-1.0) : x_share;
+        margin[i] = margin_x;
     }
 }
 
@@ -460,12 +409,12 @@ bool empty_covered(const empty_real x[EMPTY_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const empty_real x_i = x[i];
-        const empty_real start_lower_i = empty_start_lower[i];
-        const empty_real start_upper_i = empty_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const empty_real x_lower = empty_start_lower[i];
+        const empty_real x_upper = empty_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;
@@ -479,46 +428,46 @@ void empty_transform(const empty_real lower[EMPTY_N], const empty_real upper[EMP
         const empty_real lower_edge = lower[i];
         const empty_real upper_edge = upper[i];
         const empty_real x_i = x[i];
-        const empty_real room = upper_edge - lower_edge;
-        const bool filled = 0.0 < room;
+        const empty_real width = upper_edge - lower_edge;
+        const bool filled = 0.0 < width;
         const bool empty = !filled;
-        const bool wide = 9.5367431640625e-7 < room;
-        const empty_real width = wide ? room : 9.5367431640625e-7;
+        const bool wide = 9.5367431640625e-7 < width;
+        const empty_real safe_width = wide ? width : 9.5367431640625e-7;
         const empty_real to_lower = x_i - lower_edge;
         const empty_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const empty_real nearest = upper_nearer ? to_upper : to_lower;
-        const empty_real gain = upper_nearer ? (-1.0) : 1.0;
-        const empty_real least = width * 0.005;
-        const empty_real widened = width - room;
-        const empty_real spare = widened * 0.5;
-        const empty_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const empty_real distance = upper_nearer ? to_upper : to_lower;
+        const empty_real sign = upper_nearer ? (-1.0) : 1.0;
+        const empty_real smallest = safe_width * 0.005;
+        const empty_real widened = safe_width - width;
+        const empty_real half = widened * 0.5;
+        const empty_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const empty_real near = clear ? distance : least;
-        const empty_real far = width - near;
-        const empty_real a = upper_nearer ? far : near;
-        const empty_real b = upper_nearer ? near : far;
-        const empty_real e_raw = empty_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99) < e_raw;
-        const empty_real e_held_raised = e_held_above ? e_raw : (-0.99);
-        const bool e_held_over = 0.99 < e_held_raised;
-        const empty_real e_held = e_held_over ? 0.99 : e_held_raised;
-        empty_real epsilon_near;
+        const empty_real to_nearer = clear ? safe_distance : smallest;
+        const empty_real to_farther = safe_width - to_nearer;
+        const empty_real a = upper_nearer ? to_farther : to_nearer;
+        const empty_real b = upper_nearer ? to_nearer : to_farther;
+        const empty_real e_i = empty_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99) < e_i;
+        const empty_real e_raised = e_above ? e_i : (-0.99);
+        const bool e_beyond = 0.99 < e_raised;
+        const empty_real e_limited = e_beyond ? 0.99 : e_raised;
+        empty_real epsilon_nearer;
         empty_real xi_i;
-        empty_transformed_error(near, far, &epsilon_near, &xi_i);
-        const empty_real epsilon_i = gain * epsilon_near;
+        empty_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const empty_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const empty_real e_settled = empty ? 0.0 : e_held;
-        const empty_real e_out = finite ? e_settled : (empty_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const empty_real e_or_zero = empty ? 0.0 : e_limited;
+        const empty_real e_out = finite ? e_or_zero : (empty_real)NAN;
         e[i] = e_out;
-        const empty_real epsilon_settled = empty ? 0.0 : epsilon_i;
-        const empty_real epsilon_out = finite ? epsilon_settled : (empty_real)NAN;
+        const empty_real epsilon_or_zero = empty ? 0.0 : epsilon_i;
+        const empty_real epsilon_out = finite ? epsilon_or_zero : (empty_real)NAN;
         epsilon[i] = epsilon_out;
-        const empty_real xi_settled = empty ? 0.0 : xi_i;
-        const empty_real xi_out = finite ? xi_settled : (empty_real)NAN;
+        const empty_real xi_or_zero = empty ? 0.0 : xi_i;
+        const empty_real xi_out = finite ? xi_or_zero : (empty_real)NAN;
         xi[i] = xi_out;
     }
 }

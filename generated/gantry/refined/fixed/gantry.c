@@ -26,65 +26,65 @@
 #define GANTRY_READ_32(entry) ((int32_t)(entry))
 #endif
 
-/* A negative number moves right as if by a division that rounds down: C leaves that to the compiler. */
+/* A negative number is shifted right as if by a division that rounds down: C leaves that to the compiler. */
 typedef char gantry_shifts_down[((-3) >> 1 == -2) ? 1 : -1];
 
 #if defined(__AVR__)
 /* a / 2^n rounded down, and a 2^n of a >= 0, by bytes first. */
-static inline int32_t gantry_down(int32_t a, int32_t n)
+static inline int32_t gantry_shift_down(int32_t a, int32_t n)
 {
-    int32_t rest = a;
+    int32_t shifted = a;
     if (__builtin_constant_p(n) && (n >= 16)) {
         return (int16_t)(a >> 16) >> (n - 16);
     }
     if (__builtin_constant_p(n) && (n > 12)) {
         return ((a >> 16) * ((int32_t)1 << (16 - n))) + (int32_t)((uint16_t)a >> n);
     }
-    if (((uint8_t)n & 16U) != 0U) { rest >>= 16; }
-    if (((uint8_t)n & 8U) != 0U) { rest >>= 8; }
-    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { rest >>= 1; }
-    return rest;
+    if (((uint8_t)n & 16U) != 0U) { shifted >>= 16; }
+    if (((uint8_t)n & 8U) != 0U) { shifted >>= 8; }
+    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { shifted >>= 1; }
+    return shifted;
 }
 
-static inline int32_t gantry_up(int32_t a, int32_t n)
+static inline int32_t gantry_shift_up(int32_t a, int32_t n)
 {
-    uint32_t rest = (uint32_t)a;
-    if (((uint8_t)n & 16U) != 0U) { rest <<= 16; }
-    if (((uint8_t)n & 8U) != 0U) { rest <<= 8; }
-    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { rest <<= 1; }
-    rest &= 0x7fffffffU;
-    return (int32_t)rest;
+    uint32_t shifted = (uint32_t)a;
+    if (((uint8_t)n & 16U) != 0U) { shifted <<= 16; }
+    if (((uint8_t)n & 8U) != 0U) { shifted <<= 8; }
+    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { shifted <<= 1; }
+    shifted &= 0x7fffffffU;
+    return (int32_t)shifted;
 }
 
 /* a b, a of 16 bits with a sign, b of 16 without one. */
 static inline int32_t gantry_product(int32_t a, int32_t b)
 {
-    int16_t own = (int16_t)a;
-    uint16_t other = (uint16_t)b;
-    __asm__("" : "+r"(own), "+r"(other));
-    return (int32_t)own * (int32_t)other;
+    int16_t signed_half = (int16_t)a;
+    uint16_t unsigned_half = (uint16_t)b;
+    __asm__("" : "+r"(signed_half), "+r"(unsigned_half));
+    return (int32_t)signed_half * (int32_t)unsigned_half;
 }
 
 /* a b / 2^16 rounded down, for 0 <= b < 2^16. */
-static inline int32_t gantry_upper(int32_t a, int32_t b)
+static inline int32_t gantry_high_product(int32_t a, int32_t b)
 {
-    uint16_t own = (uint16_t)a;
-    uint16_t other = (uint16_t)b;
-    __asm__("" : "+r"(own), "+r"(other));
-    const uint32_t low = (uint32_t)own * other;
-    return gantry_product(a >> 16, b) + (int32_t)(low >> 16);
+    uint16_t low_half = (uint16_t)a;
+    uint16_t unsigned_half = (uint16_t)b;
+    __asm__("" : "+r"(low_half), "+r"(unsigned_half));
+    const uint32_t low_part = (uint32_t)low_half * unsigned_half;
+    return gantry_product(a >> 16, b) + (int32_t)(low_part >> 16);
 }
 #else
 /* a / 2^n rounded down, and a 2^n of a >= 0. */
-static inline int32_t gantry_down(int32_t a, int32_t n)
+static inline int32_t gantry_shift_down(int32_t a, int32_t n)
 {
     return a >> n;
 }
 
-static inline int32_t gantry_up(int32_t a, int32_t n)
+static inline int32_t gantry_shift_up(int32_t a, int32_t n)
 {
-    const uint32_t moved = ((uint32_t)a << (uint32_t)n) & 0x7fffffffU;
-    return (int32_t)moved;
+    const uint32_t shifted = ((uint32_t)a << (uint32_t)n) & 0x7fffffffU;
+    return (int32_t)shifted;
 }
 
 /* a b, a of 16 bits with a sign, b of 16 without one. */
@@ -94,28 +94,28 @@ static inline int32_t gantry_product(int32_t a, int32_t b)
 }
 
 /* a b / 2^16 rounded down, for 0 <= b < 2^16. */
-static inline int32_t gantry_upper(int32_t a, int32_t b)
+static inline int32_t gantry_high_product(int32_t a, int32_t b)
 {
-    const uint32_t low = ((uint32_t)a & 0xffffU) * (uint32_t)b;
-    return (gantry_down(a, 16) * b) + (int32_t)(low >> 16);
+    const uint32_t low_part = ((uint32_t)a & 0xffffU) * (uint32_t)b;
+    return (gantry_shift_down(a, 16) * b) + (int32_t)(low_part >> 16);
 }
 #endif
 
-/* By how many places the bits of a > 0 can move up. */
+/* By how many bits a > 0 can be shifted up to [2^30, 2^31). */
 static inline int32_t gantry_leading(int32_t a)
 {
-    uint32_t rest = (uint32_t)a;
-    int32_t places = 0;
-    if (rest < 0x8000U) { rest <<= 16; places = 16; }
-    if (rest < 0x800000U) { rest <<= 8; places += 8; }
-    if (rest < 0x8000000U) { rest <<= 4; places += 4; }
-    if (rest < 0x20000000U) { rest <<= 2; places += 2; }
-    if (rest < 0x40000000U) { places += 1; }
-    return places;
+    uint32_t shifted = (uint32_t)a;
+    int32_t shift = 0;
+    if (shifted < 0x8000U) { shifted <<= 16; shift = 16; }
+    if (shifted < 0x800000U) { shifted <<= 8; shift += 8; }
+    if (shifted < 0x8000000U) { shifted <<= 4; shift += 4; }
+    if (shifted < 0x20000000U) { shifted <<= 2; shift += 2; }
+    if (shifted < 0x40000000U) { shift += 1; }
+    return shift;
 }
 
 /* a mod 2^k, mask being 2^k - 1. */
-static inline int32_t gantry_low(int32_t a, int32_t mask)
+static inline int32_t gantry_low_bits(int32_t a, int32_t mask)
 {
     const uint32_t bits = (uint32_t)a & (uint32_t)mask;
     return (int32_t)bits;
@@ -161,7 +161,7 @@ static const int32_t gantry_coefficients[140] GANTRY_FLASH = {
 };
 
 /* Quadratics level - (slope - bend t) t, by row: 16 for 1/d, d in [2^30, 2^31), then
- * 8 for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)), which also moves up, by:
+ * 8 for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)).
  */
 static const uint16_t gantry_levels[72] GANTRY_FLASH = {
     65535,
@@ -388,7 +388,8 @@ static const uint16_t gantry_bends[72] GANTRY_FLASH = {
     451
 };
 
-static const uint8_t gantry_places[72] GANTRY_FLASH = {
+/* By row: H is its quadratic times 2 to this power, and a common one. */
+static const uint8_t gantry_h_shifts[72] GANTRY_FLASH = {
     0,
     0,
     0,
@@ -468,8 +469,8 @@ static const uint16_t gantry_gains[2] GANTRY_FLASH = {
     58196, 58196
 };
 
-/* By how many places less u moves up. */
-static const uint8_t gantry_offsets[2] GANTRY_FLASH = {
+/* The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row. */
+static const uint8_t gantry_shift_offsets[2] GANTRY_FLASH = {
     14, 14
 };
 
@@ -494,12 +495,12 @@ static inline void gantry_segment(uint32_t tick, int32_t *row, int32_t *s)
     const bool running = tick < 4000U;
     const uint32_t held = running ? tick : 4000U;
     const int32_t count = (int32_t)held;
-    const int32_t count_low = gantry_low(count, 65535);
-    const int32_t passed = gantry_upper(34359738, count_low);
-    const bool place_under = passed < 2097151;
-    const int32_t place = place_under ? passed : 2097151;
-    const int32_t segment = gantry_down(place, 16);
-    const int32_t share = gantry_low(place, 65535);
+    const int32_t count_low = gantry_low_bits(count, 65535);
+    const int32_t passed = gantry_high_product(34359738, count_low);
+    const bool early = passed < 2097151;
+    const int32_t place = early ? passed : 2097151;
+    const int32_t segment = gantry_shift_down(place, 16);
+    const int32_t share = gantry_low_bits(place, 65535);
     const int32_t first = segment * 4;
     *row = first;
     *s = share;
@@ -508,62 +509,62 @@ static inline void gantry_segment(uint32_t tick, int32_t *row, int32_t *s)
 /* At s: (1 - s)^3 and s^3 in 2^-15, 3 s + 3 s^2 - 2 s^3 in 2^-14. */
 static inline void gantry_weights(int32_t s, int32_t *w0, int32_t *w1, int32_t *w2)
 {
-    const int32_t s_up = gantry_up(s, 12);
-    const int32_t square = gantry_upper(s_up, s);
-    const int32_t cube = gantry_upper(square, s);
-    const int32_t sum = s_up + square;
-    const int32_t sum_3 = sum * 3;
-    const int32_t cube_2 = cube * 2;
-    const int32_t bend = sum_3 - cube_2;
-    const int32_t less = s_up - square;
-    const bool less_held_over = 0 < less;
-    const int32_t less_held = less_held_over ? less : 0;
-    const int32_t less_3 = less_held * 3;
-    const int32_t left_square = 268435456 - less_3;
-    const int32_t left = left_square - cube;
-    const bool bend_held_over = 0 < bend;
-    const int32_t bend_held = bend_held_over ? bend : 0;
-    const int32_t bend_near_half = bend_held + 8192;
-    const int32_t bend_near = gantry_down(bend_near_half, 14);
-    const bool left_held_over = 0 < left;
-    const int32_t left_held = left_held_over ? left : 0;
-    const int32_t before_half = left_held + 4096;
-    const int32_t before = gantry_down(before_half, 13);
-    const bool middle_under = bend_near < 65535;
-    const int32_t middle = middle_under ? bend_near : 65535;
-    const int32_t after_half = cube + 4096;
-    const int32_t after = gantry_down(after_half, 13);
-    *w0 = before;
-    *w1 = middle;
-    *w2 = after;
+    const int32_t s_fine = gantry_shift_up(s, 12);
+    const int32_t square = gantry_high_product(s_fine, s);
+    const int32_t cube = gantry_high_product(square, s);
+    const int32_t sum = s_fine + square;
+    const int32_t three_sums = sum * 3;
+    const int32_t two_cubes = cube * 2;
+    const int32_t middle = three_sums - two_cubes;
+    const int32_t difference = s_fine - square;
+    const bool difference_over = 0 < difference;
+    const int32_t difference_raised = difference_over ? difference : 0;
+    const int32_t three_differences = difference_raised * 3;
+    const int32_t first_and_cube = 268435456 - three_differences;
+    const int32_t first = first_and_cube - cube;
+    const bool middle_over = 0 < middle;
+    const int32_t middle_raised = middle_over ? middle : 0;
+    const int32_t middle_and_half = middle_raised + 8192;
+    const int32_t middle_rounded = gantry_shift_down(middle_and_half, 14);
+    const bool first_over = 0 < first;
+    const int32_t first_raised = first_over ? first : 0;
+    const int32_t first_and_half = first_raised + 4096;
+    const int32_t first_weight = gantry_shift_down(first_and_half, 13);
+    const bool middle_under = middle_rounded < 65535;
+    const int32_t middle_weight = middle_under ? middle_rounded : 65535;
+    const int32_t last_and_half = cube + 4096;
+    const int32_t last_weight = gantry_shift_down(last_and_half, 13);
+    *w0 = first_weight;
+    *w1 = middle_weight;
+    *w2 = last_weight;
 }
 
 /* An edge of the tube: a control point, and the steps about it by their weights. */
-static inline int32_t gantry_edge(int32_t at, int32_t w0, int32_t w1, int32_t w2)
+static inline int32_t gantry_edge_at(int32_t at, int32_t w0, int32_t w1, int32_t w2)
 {
-    const int32_t at_q0 = GANTRY_READ_32(gantry_coefficients[at]);
+    const int32_t q0 = GANTRY_READ_32(gantry_coefficients[at]);
     const int32_t at_1 = at + 4;
-    const int32_t at_q1 = GANTRY_READ_32(gantry_coefficients[at_1]);
+    const int32_t q1 = GANTRY_READ_32(gantry_coefficients[at_1]);
     const int32_t at_2 = at + 8;
-    const int32_t at_q2 = GANTRY_READ_32(gantry_coefficients[at_2]);
+    const int32_t q2 = GANTRY_READ_32(gantry_coefficients[at_2]);
     const int32_t at_3 = at + 12;
-    const int32_t at_q3 = GANTRY_READ_32(gantry_coefficients[at_3]);
-    const int32_t apart_0 = at_q1 - at_q0;
-    const int32_t apart_1 = at_q2 - at_q1;
-    const int32_t apart_2 = at_q3 - at_q2;
-    const int32_t d0 = (int32_t)(int16_t)apart_0;
-    const int32_t d1 = (int32_t)(int16_t)apart_1;
-    const int32_t d2 = (int32_t)(int16_t)apart_2;
-    const int32_t q1_6 = at_q1 * 6;
-    const int32_t base = q1_6 + d1;
-    const int32_t d1_w1 = gantry_product(d1, w1);
-    const int32_t middle = gantry_down(d1_w1, 14);
-    const int32_t d2_w2 = gantry_product(d2, w2);
-    const int32_t d0_w0 = gantry_product(d0, w0);
-    const int32_t outer = d2_w2 - d0_w0;
-    const int32_t ends = gantry_down(outer, 15);
-    const int32_t bent = base + middle;
-    const int32_t value = bent + ends;
+    const int32_t q3 = GANTRY_READ_32(gantry_coefficients[at_3]);
+    const int32_t difference_0 = q1 - q0;
+    const int32_t difference_1 = q2 - q1;
+    const int32_t difference_2 = q3 - q2;
+    const int32_t d0 = (int32_t)(int16_t)difference_0;
+    const int32_t d1 = (int32_t)(int16_t)difference_1;
+    const int32_t d2 = (int32_t)(int16_t)difference_2;
+    const int32_t six_q1 = q1 * 6;
+    const int32_t base = six_q1 + d1;
+    const int32_t d1_weighted = gantry_product(d1, w1);
+    const int32_t middle_part = gantry_shift_down(d1_weighted, 14);
+    const int32_t d2_weighted = gantry_product(d2, w2);
+    const int32_t d0_weighted = gantry_product(d0, w0);
+    const int32_t outer = d2_weighted - d0_weighted;
+    const int32_t outer_part = gantry_shift_down(outer, 15);
+    const int32_t base_and_middle = base + middle_part;
+    const int32_t value = base_and_middle + outer_part;
     return value;
 }
 
@@ -574,26 +575,26 @@ static inline int32_t gantry_curve(int32_t row, int32_t t)
     const int32_t slope = GANTRY_READ_16(gantry_slopes[row]);
     const int32_t bend = GANTRY_READ_16(gantry_bends[row]);
     const int32_t bend_t = gantry_product(bend, t);
-    const int32_t bent = gantry_down(bend_t, 16);
-    const int32_t down = slope - bent;
-    const int32_t down_t = gantry_product(down, t);
-    const int32_t fall = gantry_down(down_t, 17);
-    const int32_t left = level - fall;
-    const int32_t found = gantry_low(left, 65535);
-    return found;
+    const int32_t bend_part = gantry_shift_down(bend_t, 16);
+    const int32_t mean_slope = slope - bend_part;
+    const int32_t slope_t = gantry_product(mean_slope, t);
+    const int32_t fall = gantry_shift_down(slope_t, 17);
+    const int32_t difference = level - fall;
+    const int32_t value = gantry_low_bits(difference, 65535);
+    return value;
 }
 
 /* |u|: gain e H/d, at most `limit`. */
-static inline int32_t gantry_push(int32_t e, int32_t rise, int32_t over, int32_t gain, int32_t places,
-                                  int32_t limit)
+static inline int32_t gantry_input_size(int32_t e, int32_t h, int32_t reciprocal, int32_t gain, int32_t shift,
+                                        int32_t limit)
 {
-    const int32_t steep = gantry_upper(e, rise);
-    const int32_t over_width = gantry_upper(steep, over);
-    const int32_t size = gantry_upper(over_width, gain);
-    const int32_t moved = gantry_down(size, places);
-    const bool push_held_under = moved < limit;
-    const int32_t push_held = push_held_under ? moved : limit;
-    return push_held;
+    const int32_t e_times_h = gantry_high_product(e, h);
+    const int32_t over_width = gantry_high_product(e_times_h, reciprocal);
+    const int32_t unshifted = gantry_high_product(over_width, gain);
+    const int32_t unlimited = gantry_shift_down(unshifted, shift);
+    const bool limit_under = unlimited < limit;
+    const int32_t size = limit_under ? unlimited : limit;
+    return size;
 }
 
 void gantry_tube(uint32_t tick, int32_t lower[GANTRY_N], int32_t upper[GANTRY_N])
@@ -607,10 +608,10 @@ void gantry_tube(uint32_t tick, int32_t lower[GANTRY_N], int32_t upper[GANTRY_N]
     gantry_weights(s, &w0, &w1, &w2);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
-        const int32_t lower_edge = gantry_edge(at, w0, w1, w2);
-        const int32_t upper_edge = gantry_edge(at_upper, w0, w1, w2);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const int32_t lower_edge = gantry_edge_at(lower_at, w0, w1, w2);
+        const int32_t upper_edge = gantry_edge_at(upper_at, w0, w1, w2);
         lower[i] = lower_edge;
         upper[i] = upper_edge;
     }
@@ -628,68 +629,68 @@ gantry_status gantry_control(uint32_t tick, const int32_t x[GANTRY_N], int32_t u
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
-        const int32_t lower_edge = gantry_edge(at, w0, w1, w2);
-        const int32_t upper_edge = gantry_edge(at_upper, w0, w1, w2);
-        const int32_t x_all = x[i];
-        const bool x_near_over = (-268435456) < x_all;
-        const int32_t x_near = x_near_over ? x_all : (-268435456);
-        const bool x_i_under = x_near < 268435456;
-        const int32_t x_i = x_i_under ? x_near : 268435456;
-        const int32_t x_lower = x_i - lower_edge;
-        const int32_t x_upper = upper_edge - x_i;
-        const int32_t room = x_lower + x_upper;
-        const int32_t apart = x_lower - x_upper;
-        const bool e_width_over = 131072 < room;
-        const int32_t e_width = e_width_over ? room : 131072;
-        const int32_t e_n = gantry_leading(e_width);
-        const int32_t e_width_up = gantry_up(e_width, e_n);
-        const int32_t e_over_bits = gantry_down(e_width_up, 26);
-        const int32_t e_over_head = gantry_low(e_over_bits, 15);
-        const int32_t e_over_tail = gantry_down(e_width_up, 10);
-        const int32_t e_over_t = gantry_low(e_over_tail, 65535);
-        const int32_t e_over = gantry_curve(e_over_head, e_over_t);
-        const bool upper_nearer = 0 < apart;
-        const int32_t minus = -apart;
-        const int32_t off = upper_nearer ? apart : minus;
-        const bool off_held_under = off < e_width;
-        const int32_t off_held = off_held_under ? off : e_width;
-        const int32_t off_up = gantry_up(off_held, e_n);
-        const int32_t e_all = gantry_upper(off_up, e_over);
-        const bool e_under = e_all < 1063134168;
-        const int32_t e = e_under ? e_all : 1063134168;
-        const int32_t rest = e_width_up - off_up;
-        const int32_t y_all = gantry_upper(rest, e_over);
-        const bool y_near_over = 10736107 < y_all;
-        const int32_t y_near = y_near_over ? y_all : 10736107;
-        const bool y_under = y_near < 1073741823;
-        const int32_t y = y_under ? y_near : 1073741823;
-        const int32_t m = gantry_leading(y);
-        const int32_t octaves = m * 8;
-        const int32_t octave = octaves + 8;
-        const int32_t y_up = gantry_up(y, m);
-        const int32_t rise_bits = gantry_down(y_up, 27);
-        const int32_t rise_head = gantry_low(rise_bits, 7);
-        const int32_t rise_row = rise_head + octave;
-        const int32_t rise_tail = gantry_down(y_up, 11);
-        const int32_t rise_t = gantry_low(rise_tail, 65535);
-        const int32_t rise = gantry_curve(rise_row, rise_t);
-        const int32_t rise_places = GANTRY_READ_8(gantry_places[rise_row]);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const int32_t lower_edge = gantry_edge_at(lower_at, w0, w1, w2);
+        const int32_t upper_edge = gantry_edge_at(upper_at, w0, w1, w2);
+        const int32_t x_any = x[i];
+        const bool x_over = (-268435456) < x_any;
+        const int32_t x_raised = x_over ? x_any : (-268435456);
+        const bool x_under = x_raised < 268435456;
+        const int32_t x_i = x_under ? x_raised : 268435456;
+        const int32_t to_lower = x_i - lower_edge;
+        const int32_t to_upper = upper_edge - x_i;
+        const int32_t width = to_lower + to_upper;
+        const int32_t difference = to_lower - to_upper;
+        const bool wide = 131072 < width;
+        const int32_t safe_width = wide ? width : 131072;
+        const int32_t width_shift = gantry_leading(safe_width);
+        const int32_t width_shifted = gantry_shift_up(safe_width, width_shift);
+        const int32_t width_bits = gantry_shift_down(width_shifted, 26);
+        const int32_t width_row = gantry_low_bits(width_bits, 15);
+        const int32_t width_tail = gantry_shift_down(width_shifted, 10);
+        const int32_t width_t = gantry_low_bits(width_tail, 65535);
+        const int32_t reciprocal = gantry_curve(width_row, width_t);
+        const bool upper_nearer = 0 < difference;
+        const int32_t difference_minus = -difference;
+        const int32_t offset = upper_nearer ? difference : difference_minus;
+        const bool offset_under = offset < safe_width;
+        const int32_t offset_limited = offset_under ? offset : safe_width;
+        const int32_t offset_shifted = gantry_shift_up(offset_limited, width_shift);
+        const int32_t e_any = gantry_high_product(offset_shifted, reciprocal);
+        const bool e_under = e_any < 1063134168;
+        const int32_t e_limited = e_under ? e_any : 1063134168;
+        const int32_t remainder = width_shifted - offset_shifted;
+        const int32_t y_any = gantry_high_product(remainder, reciprocal);
+        const bool y_over = 10736107 < y_any;
+        const int32_t y_raised = y_over ? y_any : 10736107;
+        const bool y_under = y_raised < 1073741823;
+        const int32_t y_limited = y_under ? y_raised : 1073741823;
+        const int32_t y_shift = gantry_leading(y_limited);
+        const int32_t octave_rows = y_shift * 8;
+        const int32_t first_row = octave_rows + 8;
+        const int32_t y_shifted = gantry_shift_up(y_limited, y_shift);
+        const int32_t y_bits = gantry_shift_down(y_shifted, 27);
+        const int32_t y_piece = gantry_low_bits(y_bits, 7);
+        const int32_t y_row = y_piece + first_row;
+        const int32_t y_tail = gantry_shift_down(y_shifted, 11);
+        const int32_t y_t = gantry_low_bits(y_tail, 65535);
+        const int32_t h = gantry_curve(y_row, y_t);
+        const int32_t h_shift = GANTRY_READ_8(gantry_h_shifts[y_row]);
         const int32_t gain = GANTRY_READ_16(gantry_gains[i]);
-        const int32_t offset = GANTRY_READ_8(gantry_offsets[i]);
+        const int32_t shift_offset = GANTRY_READ_8(gantry_shift_offsets[i]);
         const int32_t limit = GANTRY_READ_32(gantry_limits[i]);
-        const int32_t down_n = offset - e_n;
-        const int32_t down_all = down_n - rise_places;
-        const bool down_over = 0 < down_all;
-        const int32_t down = down_over ? down_all : 0;
-        const int32_t push = gantry_push(e, rise, e_over, gain, down, limit);
-        const int32_t back = -push;
-        const int32_t u_i = upper_nearer ? back : push;
+        const int32_t less_width_shift = shift_offset - width_shift;
+        const int32_t shift_any = less_width_shift - h_shift;
+        const bool shift_over = 0 < shift_any;
+        const int32_t shift = shift_over ? shift_any : 0;
+        const int32_t size = gantry_input_size(e_limited, h, reciprocal, gain, shift, limit);
+        const int32_t size_minus = -size;
+        const int32_t u_i = upper_nearer ? size_minus : size;
         u[i] = u_i;
-        const bool within = off < room;
-        const bool outside_any = within ? outside : true;
-        outside = outside_any;
+        const bool inside = offset < width;
+        const bool outside_next = inside ? outside : true;
+        outside = outside_next;
     }
     return outside ? GANTRY_OUTSIDE_TUBE : GANTRY_OK;
 }
@@ -706,43 +707,43 @@ int32_t gantry_margin(uint32_t tick, const int32_t x[GANTRY_N])
     int32_t margin = 32768;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
-        const int32_t lower_edge = gantry_edge(at, w0, w1, w2);
-        const int32_t upper_edge = gantry_edge(at_upper, w0, w1, w2);
-        const int32_t x_all = x[i];
-        const bool x_near_over = (-268435456) < x_all;
-        const int32_t x_near = x_near_over ? x_all : (-268435456);
-        const bool x_i_under = x_near < 268435456;
-        const int32_t x_i = x_i_under ? x_near : 268435456;
-        const int32_t x_lower = x_i - lower_edge;
-        const int32_t x_upper = upper_edge - x_i;
-        const int32_t share_room = x_lower + x_upper;
-        const bool share_width_over = 131072 < share_room;
-        const int32_t share_width = share_width_over ? share_room : 131072;
-        const int32_t share_n = gantry_leading(share_width);
-        const int32_t share_width_up = gantry_up(share_width, share_n);
-        const int32_t share_over_bits = gantry_down(share_width_up, 26);
-        const int32_t share_over_head = gantry_low(share_over_bits, 15);
-        const int32_t share_over_tail = gantry_down(share_width_up, 10);
-        const int32_t share_over_t = gantry_low(share_over_tail, 65535);
-        const int32_t share_over = gantry_curve(share_over_head, share_over_t);
-        const bool share_high = x_upper < x_lower;
-        const int32_t share_nearest = share_high ? x_upper : x_lower;
-        const bool share_inside = 0 < share_nearest;
-        const int32_t share_beyond = -share_nearest;
-        const int32_t share_size = share_inside ? share_nearest : share_beyond;
-        const bool share_held_under = share_size < share_width;
-        const int32_t share_held = share_held_under ? share_size : share_width;
-        const int32_t share_up = gantry_up(share_held, share_n);
-        const int32_t share_quotient = gantry_upper(share_up, share_over);
-        const int32_t share_part = gantry_down(share_quotient, 14);
-        const bool share_most_under = share_part < 65535;
-        const int32_t share_most = share_most_under ? share_part : 65535;
-        const int32_t share_minus = (-1) - share_most;
-        const int32_t share = share_inside ? share_most : share_minus;
-        const bool less = share < margin;
-        const int32_t margin_next = less ? share : margin;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const int32_t lower_edge = gantry_edge_at(lower_at, w0, w1, w2);
+        const int32_t upper_edge = gantry_edge_at(upper_at, w0, w1, w2);
+        const int32_t x_any = x[i];
+        const bool x_over = (-268435456) < x_any;
+        const int32_t x_raised = x_over ? x_any : (-268435456);
+        const bool x_under = x_raised < 268435456;
+        const int32_t x_i = x_under ? x_raised : 268435456;
+        const int32_t to_lower = x_i - lower_edge;
+        const int32_t to_upper = upper_edge - x_i;
+        const int32_t x_width = to_lower + to_upper;
+        const bool x_wide = 131072 < x_width;
+        const int32_t x_safe_width = x_wide ? x_width : 131072;
+        const int32_t x_width_shift = gantry_leading(x_safe_width);
+        const int32_t x_width_shifted = gantry_shift_up(x_safe_width, x_width_shift);
+        const int32_t x_width_bits = gantry_shift_down(x_width_shifted, 26);
+        const int32_t x_width_row = gantry_low_bits(x_width_bits, 15);
+        const int32_t x_width_tail = gantry_shift_down(x_width_shifted, 10);
+        const int32_t x_width_t = gantry_low_bits(x_width_tail, 65535);
+        const int32_t x_reciprocal = gantry_curve(x_width_row, x_width_t);
+        const bool x_nearer = to_upper < to_lower;
+        const int32_t x_distance = x_nearer ? to_upper : to_lower;
+        const bool x_inside = 0 < x_distance;
+        const int32_t x_distance_minus = -x_distance;
+        const int32_t x_size = x_inside ? x_distance : x_distance_minus;
+        const bool x_size_under = x_size < x_safe_width;
+        const int32_t x_size_limited = x_size_under ? x_size : x_safe_width;
+        const int32_t x_size_shifted = gantry_shift_up(x_size_limited, x_width_shift);
+        const int32_t x_quotient = gantry_high_product(x_size_shifted, x_reciprocal);
+        const int32_t x_share_any = gantry_shift_down(x_quotient, 14);
+        const bool x_share_under = x_share_any < 65535;
+        const int32_t x_share = x_share_under ? x_share_any : 65535;
+        const int32_t x_share_minus = (-1) - x_share;
+        const int32_t margin_x = x_inside ? x_share : x_share_minus;
+        const bool less = margin_x < margin;
+        const int32_t margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -759,42 +760,42 @@ void gantry_margins(uint32_t tick, const int32_t x[GANTRY_N], int32_t margin[GAN
     gantry_weights(s, &w0, &w1, &w2);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const int32_t at_upper = at + 1;
-        const int32_t lower_edge = gantry_edge(at, w0, w1, w2);
-        const int32_t upper_edge = gantry_edge(at_upper, w0, w1, w2);
-        const int32_t x_all = x[i];
-        const bool x_near_over = (-268435456) < x_all;
-        const int32_t x_near = x_near_over ? x_all : (-268435456);
-        const bool x_i_under = x_near < 268435456;
-        const int32_t x_i = x_i_under ? x_near : 268435456;
-        const int32_t x_lower = x_i - lower_edge;
-        const int32_t x_upper = upper_edge - x_i;
-        const int32_t share_room = x_lower + x_upper;
-        const bool share_width_over = 131072 < share_room;
-        const int32_t share_width = share_width_over ? share_room : 131072;
-        const int32_t share_n = gantry_leading(share_width);
-        const int32_t share_width_up = gantry_up(share_width, share_n);
-        const int32_t share_over_bits = gantry_down(share_width_up, 26);
-        const int32_t share_over_head = gantry_low(share_over_bits, 15);
-        const int32_t share_over_tail = gantry_down(share_width_up, 10);
-        const int32_t share_over_t = gantry_low(share_over_tail, 65535);
-        const int32_t share_over = gantry_curve(share_over_head, share_over_t);
-        const bool share_high = x_upper < x_lower;
-        const int32_t share_nearest = share_high ? x_upper : x_lower;
-        const bool share_inside = 0 < share_nearest;
-        const int32_t share_beyond = -share_nearest;
-        const int32_t share_size = share_inside ? share_nearest : share_beyond;
-        const bool share_held_under = share_size < share_width;
-        const int32_t share_held = share_held_under ? share_size : share_width;
-        const int32_t share_up = gantry_up(share_held, share_n);
-        const int32_t share_quotient = gantry_upper(share_up, share_over);
-        const int32_t share_part = gantry_down(share_quotient, 14);
-        const bool share_most_under = share_part < 65535;
-        const int32_t share_most = share_most_under ? share_part : 65535;
-        const int32_t share_minus = (-1) - share_most;
-        const int32_t share = share_inside ? share_most : share_minus;
-        margin[i] = share;
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const int32_t lower_edge = gantry_edge_at(lower_at, w0, w1, w2);
+        const int32_t upper_edge = gantry_edge_at(upper_at, w0, w1, w2);
+        const int32_t x_any = x[i];
+        const bool x_over = (-268435456) < x_any;
+        const int32_t x_raised = x_over ? x_any : (-268435456);
+        const bool x_under = x_raised < 268435456;
+        const int32_t x_i = x_under ? x_raised : 268435456;
+        const int32_t to_lower = x_i - lower_edge;
+        const int32_t to_upper = upper_edge - x_i;
+        const int32_t x_width = to_lower + to_upper;
+        const bool x_wide = 131072 < x_width;
+        const int32_t x_safe_width = x_wide ? x_width : 131072;
+        const int32_t x_width_shift = gantry_leading(x_safe_width);
+        const int32_t x_width_shifted = gantry_shift_up(x_safe_width, x_width_shift);
+        const int32_t x_width_bits = gantry_shift_down(x_width_shifted, 26);
+        const int32_t x_width_row = gantry_low_bits(x_width_bits, 15);
+        const int32_t x_width_tail = gantry_shift_down(x_width_shifted, 10);
+        const int32_t x_width_t = gantry_low_bits(x_width_tail, 65535);
+        const int32_t x_reciprocal = gantry_curve(x_width_row, x_width_t);
+        const bool x_nearer = to_upper < to_lower;
+        const int32_t x_distance = x_nearer ? to_upper : to_lower;
+        const bool x_inside = 0 < x_distance;
+        const int32_t x_distance_minus = -x_distance;
+        const int32_t x_size = x_inside ? x_distance : x_distance_minus;
+        const bool x_size_under = x_size < x_safe_width;
+        const int32_t x_size_limited = x_size_under ? x_size : x_safe_width;
+        const int32_t x_size_shifted = gantry_shift_up(x_size_limited, x_width_shift);
+        const int32_t x_quotient = gantry_high_product(x_size_shifted, x_reciprocal);
+        const int32_t x_share_any = gantry_shift_down(x_quotient, 14);
+        const bool x_share_under = x_share_any < 65535;
+        const int32_t x_share = x_share_under ? x_share_any : 65535;
+        const int32_t x_share_minus = (-1) - x_share;
+        const int32_t margin_x = x_inside ? x_share : x_share_minus;
+        margin[i] = margin_x;
     }
 }
 
@@ -803,12 +804,12 @@ bool gantry_covered(const int32_t x[GANTRY_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t x_i = x[i];
-        const int32_t start_lower_i = GANTRY_READ_16(gantry_start_lower[i]);
-        const int32_t start_upper_i = GANTRY_READ_32(gantry_start_upper[i]);
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const int32_t x_lower = GANTRY_READ_16(gantry_start_lower[i]);
+        const int32_t x_upper = GANTRY_READ_32(gantry_start_upper[i]);
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;

@@ -62,7 +62,7 @@ COEFFICIENTS = (
 )
 
 # Quadratics level - (slope - bend t) t, by row: 16 for 1/d, d in [2^30, 2^31), then
-# 8 for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)), which also moves up, by:
+# 8 for each octave of y, for H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)).
 LEVELS = (
     65535,
     61680,
@@ -288,7 +288,8 @@ BENDS = (
     451,
 )
 
-PLACES = (
+# By row: H is its quadratic times 2 to this power, and a common one.
+H_SHIFTS = (
     0,
     0,
     0,
@@ -368,8 +369,8 @@ GAINS = (
     58196, 58196,
 )
 
-# By how many places less u moves up.
-OFFSETS = (
+# The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row.
+SHIFT_OFFSETS = (
     14, 14,
 )
 
@@ -415,8 +416,8 @@ def _segment(tick):
     count = held
     count_low = count & 65535
     passed = 34359738 * count_low >> 16
-    place_under = passed < 2097151
-    place = passed if place_under else 2097151
+    early = passed < 2097151
+    place = passed if early else 2097151
     segment = place >> 16
     share = place & 65535
     first = segment * 4
@@ -425,59 +426,59 @@ def _segment(tick):
 
 def _weights(s):
     """At s: (1 - s)^3 and s^3 in 2^-15, 3 s + 3 s^2 - 2 s^3 in 2^-14."""
-    s_up = s << 12
-    square = s_up * s >> 16
+    s_fine = s << 12
+    square = s_fine * s >> 16
     cube = square * s >> 16
-    sum = s_up + square
-    sum_3 = sum * 3
-    cube_2 = cube * 2
-    bend = sum_3 - cube_2
-    less = s_up - square
-    less_held_over = 0 < less
-    less_held = less if less_held_over else 0
-    less_3 = less_held * 3
-    left_square = 268435456 - less_3
-    left = left_square - cube
-    bend_held_over = 0 < bend
-    bend_held = bend if bend_held_over else 0
-    bend_near_half = bend_held + 8192
-    bend_near = bend_near_half >> 14
-    left_held_over = 0 < left
-    left_held = left if left_held_over else 0
-    before_half = left_held + 4096
-    before = before_half >> 13
-    middle_under = bend_near < 65535
-    middle = bend_near if middle_under else 65535
-    after_half = cube + 4096
-    after = after_half >> 13
-    return before, middle, after
+    sum = s_fine + square
+    three_sums = sum * 3
+    two_cubes = cube * 2
+    middle = three_sums - two_cubes
+    difference = s_fine - square
+    difference_over = 0 < difference
+    difference_raised = difference if difference_over else 0
+    three_differences = difference_raised * 3
+    first_and_cube = 268435456 - three_differences
+    first = first_and_cube - cube
+    middle_over = 0 < middle
+    middle_raised = middle if middle_over else 0
+    middle_and_half = middle_raised + 8192
+    middle_rounded = middle_and_half >> 14
+    first_over = 0 < first
+    first_raised = first if first_over else 0
+    first_and_half = first_raised + 4096
+    first_weight = first_and_half >> 13
+    middle_under = middle_rounded < 65535
+    middle_weight = middle_rounded if middle_under else 65535
+    last_and_half = cube + 4096
+    last_weight = last_and_half >> 13
+    return first_weight, middle_weight, last_weight
 
 
-def _edge(at, w0, w1, w2):
+def _edge_at(at, w0, w1, w2):
     """An edge of the tube: a control point, and the steps about it by their weights."""
-    at_q0 = COEFFICIENTS[at]
+    q0 = COEFFICIENTS[at]
     at_1 = at + 4
-    at_q1 = COEFFICIENTS[at_1]
+    q1 = COEFFICIENTS[at_1]
     at_2 = at + 8
-    at_q2 = COEFFICIENTS[at_2]
+    q2 = COEFFICIENTS[at_2]
     at_3 = at + 12
-    at_q3 = COEFFICIENTS[at_3]
-    apart_0 = at_q1 - at_q0
-    apart_1 = at_q2 - at_q1
-    apart_2 = at_q3 - at_q2
-    d0 = apart_0
-    d1 = apart_1
-    d2 = apart_2
-    q1_6 = at_q1 * 6
-    base = q1_6 + d1
-    d1_w1 = d1 * w1
-    middle = d1_w1 >> 14
-    d2_w2 = d2 * w2
-    d0_w0 = d0 * w0
-    outer = d2_w2 - d0_w0
-    ends = outer >> 15
-    bent = base + middle
-    value = bent + ends
+    q3 = COEFFICIENTS[at_3]
+    difference_0 = q1 - q0
+    difference_1 = q2 - q1
+    difference_2 = q3 - q2
+    d0 = difference_0
+    d1 = difference_1
+    d2 = difference_2
+    six_q1 = q1 * 6
+    base = six_q1 + d1
+    d1_weighted = d1 * w1
+    middle_part = d1_weighted >> 14
+    d2_weighted = d2 * w2
+    d0_weighted = d0 * w0
+    outer = d2_weighted - d0_weighted
+    outer_part = outer >> 15
+    base_and_middle = base + middle_part
+    value = base_and_middle + outer_part
     return value
 
 
@@ -487,24 +488,24 @@ def _curve(row, t):
     slope = SLOPES[row]
     bend = BENDS[row]
     bend_t = bend * t
-    bent = bend_t >> 16
-    down = slope - bent
-    down_t = down * t
-    fall = down_t >> 17
-    left = level - fall
-    found = left & 65535
-    return found
+    bend_part = bend_t >> 16
+    mean_slope = slope - bend_part
+    slope_t = mean_slope * t
+    fall = slope_t >> 17
+    difference = level - fall
+    value = difference & 65535
+    return value
 
 
-def _push(e, rise, over, gain, places, limit):
+def _input_size(e, h, reciprocal, gain, shift, limit):
     """|u|: gain e H/d, at most `limit`."""
-    steep = e * rise >> 16
-    over_width = steep * over >> 16
-    size = over_width * gain >> 16
-    moved = size >> places
-    push_held_under = moved < limit
-    push_held = moved if push_held_under else limit
-    return push_held
+    e_times_h = e * h >> 16
+    over_width = e_times_h * reciprocal >> 16
+    unshifted = over_width * gain >> 16
+    unlimited = unshifted >> shift
+    limit_under = unlimited < limit
+    size = unlimited if limit_under else limit
+    return size
 
 
 def tube(tick):
@@ -518,10 +519,10 @@ def tube(tick):
     w0, w1, w2 = _weights(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge = _edge(at, w0, w1, w2)
-        upper_edge = _edge(at_upper, w0, w1, w2)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2)
+        upper_edge = _edge_at(upper_at, w0, w1, w2)
         lower[i] = lower_edge
         upper[i] = upper_edge
     return tuple(lower), tuple(upper)
@@ -542,68 +543,68 @@ def control(tick, x):
     outside = False
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge = _edge(at, w0, w1, w2)
-        upper_edge = _edge(at_upper, w0, w1, w2)
-        x_all = x[i]
-        x_near_over = -268435456 < x_all
-        x_near = x_all if x_near_over else -268435456
-        x_i_under = x_near < 268435456
-        x_i = x_near if x_i_under else 268435456
-        x_lower = x_i - lower_edge
-        x_upper = upper_edge - x_i
-        room = x_lower + x_upper
-        apart = x_lower - x_upper
-        e_width_over = 131072 < room
-        e_width = room if e_width_over else 131072
-        e_n = 31 - e_width.bit_length()
-        e_width_up = e_width << e_n
-        e_over_bits = e_width_up >> 26
-        e_over_head = e_over_bits & 15
-        e_over_tail = e_width_up >> 10
-        e_over_t = e_over_tail & 65535
-        e_over = _curve(e_over_head, e_over_t)
-        upper_nearer = 0 < apart
-        minus = -apart
-        off = apart if upper_nearer else minus
-        off_held_under = off < e_width
-        off_held = off if off_held_under else e_width
-        off_up = off_held << e_n
-        e_all = off_up * e_over >> 16
-        e_under = e_all < 1063134168
-        e = e_all if e_under else 1063134168
-        rest = e_width_up - off_up
-        y_all = rest * e_over >> 16
-        y_near_over = 10736107 < y_all
-        y_near = y_all if y_near_over else 10736107
-        y_under = y_near < 1073741823
-        y = y_near if y_under else 1073741823
-        m = 31 - y.bit_length()
-        octaves = m * 8
-        octave = octaves + 8
-        y_up = y << m
-        rise_bits = y_up >> 27
-        rise_head = rise_bits & 7
-        rise_row = rise_head + octave
-        rise_tail = y_up >> 11
-        rise_t = rise_tail & 65535
-        rise = _curve(rise_row, rise_t)
-        rise_places = PLACES[rise_row]
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2)
+        upper_edge = _edge_at(upper_at, w0, w1, w2)
+        x_any = x[i]
+        x_over = -268435456 < x_any
+        x_raised = x_any if x_over else -268435456
+        x_under = x_raised < 268435456
+        x_i = x_raised if x_under else 268435456
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        width = to_lower + to_upper
+        difference = to_lower - to_upper
+        wide = 131072 < width
+        safe_width = width if wide else 131072
+        width_shift = 31 - safe_width.bit_length()
+        width_shifted = safe_width << width_shift
+        width_bits = width_shifted >> 26
+        width_row = width_bits & 15
+        width_tail = width_shifted >> 10
+        width_t = width_tail & 65535
+        reciprocal = _curve(width_row, width_t)
+        upper_nearer = 0 < difference
+        difference_minus = -difference
+        offset = difference if upper_nearer else difference_minus
+        offset_under = offset < safe_width
+        offset_limited = offset if offset_under else safe_width
+        offset_shifted = offset_limited << width_shift
+        e_any = offset_shifted * reciprocal >> 16
+        e_under = e_any < 1063134168
+        e_limited = e_any if e_under else 1063134168
+        remainder = width_shifted - offset_shifted
+        y_any = remainder * reciprocal >> 16
+        y_over = 10736107 < y_any
+        y_raised = y_any if y_over else 10736107
+        y_under = y_raised < 1073741823
+        y_limited = y_raised if y_under else 1073741823
+        y_shift = 31 - y_limited.bit_length()
+        octave_rows = y_shift * 8
+        first_row = octave_rows + 8
+        y_shifted = y_limited << y_shift
+        y_bits = y_shifted >> 27
+        y_piece = y_bits & 7
+        y_row = y_piece + first_row
+        y_tail = y_shifted >> 11
+        y_t = y_tail & 65535
+        h = _curve(y_row, y_t)
+        h_shift = H_SHIFTS[y_row]
         gain = GAINS[i]
-        offset = OFFSETS[i]
+        shift_offset = SHIFT_OFFSETS[i]
         limit = LIMITS[i]
-        down_n = offset - e_n
-        down_all = down_n - rise_places
-        down_over = 0 < down_all
-        down = down_all if down_over else 0
-        push = _push(e, rise, e_over, gain, down, limit)
-        back = -push
-        u_i = back if upper_nearer else push
+        less_width_shift = shift_offset - width_shift
+        shift_any = less_width_shift - h_shift
+        shift_over = 0 < shift_any
+        shift = shift_any if shift_over else 0
+        size = _input_size(e_limited, h, reciprocal, gain, shift, limit)
+        size_minus = -size
+        u_i = size_minus if upper_nearer else size
         u[i] = u_i
-        within = off < room
-        outside_any = outside if within else True
-        outside = outside_any
+        inside = offset < width
+        outside_next = outside if inside else True
+        outside = outside_next
     return OUTSIDE_TUBE if outside else OK, tuple(u)
 
 
@@ -619,43 +620,43 @@ def margin(tick, x):
     margin = 32768
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge = _edge(at, w0, w1, w2)
-        upper_edge = _edge(at_upper, w0, w1, w2)
-        x_all = x[i]
-        x_near_over = -268435456 < x_all
-        x_near = x_all if x_near_over else -268435456
-        x_i_under = x_near < 268435456
-        x_i = x_near if x_i_under else 268435456
-        x_lower = x_i - lower_edge
-        x_upper = upper_edge - x_i
-        share_room = x_lower + x_upper
-        share_width_over = 131072 < share_room
-        share_width = share_room if share_width_over else 131072
-        share_n = 31 - share_width.bit_length()
-        share_width_up = share_width << share_n
-        share_over_bits = share_width_up >> 26
-        share_over_head = share_over_bits & 15
-        share_over_tail = share_width_up >> 10
-        share_over_t = share_over_tail & 65535
-        share_over = _curve(share_over_head, share_over_t)
-        share_high = x_upper < x_lower
-        share_nearest = x_upper if share_high else x_lower
-        share_inside = 0 < share_nearest
-        share_beyond = -share_nearest
-        share_size = share_nearest if share_inside else share_beyond
-        share_held_under = share_size < share_width
-        share_held = share_size if share_held_under else share_width
-        share_up = share_held << share_n
-        share_quotient = share_up * share_over >> 16
-        share_part = share_quotient >> 14
-        share_most_under = share_part < 65535
-        share_most = share_part if share_most_under else 65535
-        share_minus = -1 - share_most
-        share = share_most if share_inside else share_minus
-        less = share < margin
-        margin_next = share if less else margin
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2)
+        upper_edge = _edge_at(upper_at, w0, w1, w2)
+        x_any = x[i]
+        x_over = -268435456 < x_any
+        x_raised = x_any if x_over else -268435456
+        x_under = x_raised < 268435456
+        x_i = x_raised if x_under else 268435456
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        x_width = to_lower + to_upper
+        x_wide = 131072 < x_width
+        x_safe_width = x_width if x_wide else 131072
+        x_width_shift = 31 - x_safe_width.bit_length()
+        x_width_shifted = x_safe_width << x_width_shift
+        x_width_bits = x_width_shifted >> 26
+        x_width_row = x_width_bits & 15
+        x_width_tail = x_width_shifted >> 10
+        x_width_t = x_width_tail & 65535
+        x_reciprocal = _curve(x_width_row, x_width_t)
+        x_nearer = to_upper < to_lower
+        x_distance = to_upper if x_nearer else to_lower
+        x_inside = 0 < x_distance
+        x_distance_minus = -x_distance
+        x_size = x_distance if x_inside else x_distance_minus
+        x_size_under = x_size < x_safe_width
+        x_size_limited = x_size if x_size_under else x_safe_width
+        x_size_shifted = x_size_limited << x_width_shift
+        x_quotient = x_size_shifted * x_reciprocal >> 16
+        x_share_any = x_quotient >> 14
+        x_share_under = x_share_any < 65535
+        x_share = x_share_any if x_share_under else 65535
+        x_share_minus = -1 - x_share
+        margin_x = x_share if x_inside else x_share_minus
+        less = margin_x < margin
+        margin_next = margin_x if less else margin
         margin = margin_next
     return margin
 
@@ -669,42 +670,42 @@ def margins(tick, x):
     w0, w1, w2 = _weights(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        at_upper = at + 1
-        lower_edge = _edge(at, w0, w1, w2)
-        upper_edge = _edge(at_upper, w0, w1, w2)
-        x_all = x[i]
-        x_near_over = -268435456 < x_all
-        x_near = x_all if x_near_over else -268435456
-        x_i_under = x_near < 268435456
-        x_i = x_near if x_i_under else 268435456
-        x_lower = x_i - lower_edge
-        x_upper = upper_edge - x_i
-        share_room = x_lower + x_upper
-        share_width_over = 131072 < share_room
-        share_width = share_room if share_width_over else 131072
-        share_n = 31 - share_width.bit_length()
-        share_width_up = share_width << share_n
-        share_over_bits = share_width_up >> 26
-        share_over_head = share_over_bits & 15
-        share_over_tail = share_width_up >> 10
-        share_over_t = share_over_tail & 65535
-        share_over = _curve(share_over_head, share_over_t)
-        share_high = x_upper < x_lower
-        share_nearest = x_upper if share_high else x_lower
-        share_inside = 0 < share_nearest
-        share_beyond = -share_nearest
-        share_size = share_nearest if share_inside else share_beyond
-        share_held_under = share_size < share_width
-        share_held = share_size if share_held_under else share_width
-        share_up = share_held << share_n
-        share_quotient = share_up * share_over >> 16
-        share_part = share_quotient >> 14
-        share_most_under = share_part < 65535
-        share_most = share_part if share_most_under else 65535
-        share_minus = -1 - share_most
-        share = share_most if share_inside else share_minus
-        margin[i] = share
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2)
+        upper_edge = _edge_at(upper_at, w0, w1, w2)
+        x_any = x[i]
+        x_over = -268435456 < x_any
+        x_raised = x_any if x_over else -268435456
+        x_under = x_raised < 268435456
+        x_i = x_raised if x_under else 268435456
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        x_width = to_lower + to_upper
+        x_wide = 131072 < x_width
+        x_safe_width = x_width if x_wide else 131072
+        x_width_shift = 31 - x_safe_width.bit_length()
+        x_width_shifted = x_safe_width << x_width_shift
+        x_width_bits = x_width_shifted >> 26
+        x_width_row = x_width_bits & 15
+        x_width_tail = x_width_shifted >> 10
+        x_width_t = x_width_tail & 65535
+        x_reciprocal = _curve(x_width_row, x_width_t)
+        x_nearer = to_upper < to_lower
+        x_distance = to_upper if x_nearer else to_lower
+        x_inside = 0 < x_distance
+        x_distance_minus = -x_distance
+        x_size = x_distance if x_inside else x_distance_minus
+        x_size_under = x_size < x_safe_width
+        x_size_limited = x_size if x_size_under else x_safe_width
+        x_size_shifted = x_size_limited << x_width_shift
+        x_quotient = x_size_shifted * x_reciprocal >> 16
+        x_share_any = x_quotient >> 14
+        x_share_under = x_share_any < 65535
+        x_share = x_share_any if x_share_under else 65535
+        x_share_minus = -1 - x_share
+        margin_x = x_share if x_inside else x_share_minus
+        margin[i] = margin_x
     return tuple(margin)
 
 
@@ -719,11 +720,11 @@ def covered(x):
     covered = True
     for i in range(2):
         x_i = x[i]
-        start_lower_i = START_LOWER[i]
-        start_upper_i = START_UPPER[i]
-        x_i_after = start_lower_i < x_i
-        x_i_before = x_i < start_upper_i
-        x_i_between = x_i_after and x_i_before
-        covered_next = covered if x_i_between else False
+        x_lower = START_LOWER[i]
+        x_upper = START_UPPER[i]
+        x_above = x_lower < x_i
+        x_below = x_i < x_upper
+        x_inside = x_above and x_below
+        covered_next = covered if x_inside else False
         covered = covered_next
     return covered

@@ -508,19 +508,19 @@ def alpha_step(t, dt, alpha):
         alpha_high = alpha_high_raised if alpha_high_small else 41.989830017089844
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
-        low_p, low_q, low_rest, low_z0 = _implicit_start(psi_low, alpha_low, h, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
-        low_z = low_z0
+        low_p, low_q, low_theta_rest, low_z_start = _implicit_start(psi_low, alpha_low, h, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
+        low_z = low_z_start
         for low_k in range(7):
             low_z_next = _newton(low_p, low_q, low_z)
             low_z = low_z_next
-        alpha_low_out = _implicit_end(low_q, low_rest, low_z)
+        alpha_low_out = _implicit_end(low_q, low_theta_rest, low_z)
         alpha[i] = alpha_low_out
-        high_p, high_q, high_rest, high_z0 = _implicit_start(psi_high, alpha_high, h, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
-        high_z = high_z0
+        high_p, high_q, high_theta_rest, high_z_start = _implicit_start(psi_high, alpha_high, h, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
+        high_z = high_z_start
         for high_k in range(7):
             high_z_next = _newton(high_p, high_q, high_z)
             high_z = high_z_next
-        alpha_high_out = _implicit_end(high_q, high_rest, high_z)
+        alpha_high_out = _implicit_end(high_q, high_theta_rest, high_z)
         high_out_at = i + 2
         alpha[high_out_at] = alpha_high_out
     return tuple(alpha)
@@ -544,9 +544,9 @@ def alpha_rate(t, alpha):
     finite = zero <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(4):
-            rate[j2] = math.nan
-            jacobian[j2] = math.nan
+        for m in range(4):
+            rate[m] = math.nan
+            jacobian[m] = math.nan
         return tuple(rate), tuple(jacobian)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -637,9 +637,9 @@ def tube(t, alpha):
     finite = zero <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(2):
-            lower[j2] = math.nan
-            upper[j2] = math.nan
+        for m in range(2):
+            lower[m] = math.nan
+            upper[m] = math.nan
         return tuple(lower), tuple(upper)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -725,9 +725,9 @@ def tube_rate(t, alpha):
     finite = zero <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(2):
-            lower_rate[j2] = math.nan
-            upper_rate[j2] = math.nan
+        for m in range(2):
+            lower_rate[m] = math.nan
+            upper_rate[m] = math.nan
         return tuple(lower_rate), tuple(upper_rate)
     held = _hold(t, 9.0)
     sigma, sigma_rate = _profile_rate(held, 9.0)
@@ -823,17 +823,17 @@ def control(t, alpha, x):
         alpha_zero = alpha_j * 0.0
         zeros = zero + alpha_zero
         zero = zeros
-    zero2 = zero
-    for j2 in range(2):
-        x_j = x[j2]
-        x_zero = x_j * 0.0
-        zeros2 = zero2 + x_zero
-        zero2 = zeros2
-    finite = zero2 <= 0.0
+    x_zeros = zero
+    for k in range(2):
+        x_k = x[k]
+        x_zero = x_k * 0.0
+        x_sum = x_zeros + x_zero
+        x_zeros = x_sum
+    finite = x_zeros <= 0.0
     bad = not finite
     if bad:
-        for j3 in range(2):
-            u[j3] = 0.0
+        for m in range(2):
+            u[m] = 0.0
         return BAD_INPUT, tuple(u)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -898,31 +898,31 @@ def control(t, alpha, x):
         gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0244140625)
         gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0244140625)
         x_i = x[i]
-        room = gamma_high - gamma_low
-        filled = 0.0 < room
+        width = gamma_high - gamma_low
+        filled = 0.0 < width
         empty = not filled
-        wide = 9.5367431640625e-7 < room
-        width = room if wide else 9.5367431640625e-7
+        wide = 9.5367431640625e-7 < width
+        safe_width = width if wide else 9.5367431640625e-7
         to_lower = x_i - gamma_low
         to_upper = gamma_high - x_i
         upper_nearer = to_upper < to_lower
-        nearest = to_upper if upper_nearer else to_lower
+        distance = to_upper if upper_nearer else to_lower
         gain = -0.5 if upper_nearer else 0.5
-        least = width * 0.004999999888241291
-        widened = width - room
-        spare = widened * 0.5
-        distance = nearest + spare
-        farther = least < distance
+        smallest = safe_width * 0.004999999888241291
+        widened = safe_width - width
+        half = widened * 0.5
+        safe_distance = distance + half
+        farther = smallest < safe_distance
         clear = filled and farther
-        near = distance if clear else least
-        far = width - near
-        within = 0.0 < nearest
-        outside_any = outside if within else True
-        epsilon, xi = _transformed_error(near, far)
-        push = _law(gain, xi, epsilon)
-        u_law = 0.0 if empty else push
-        u[i] = u_law
-        outside = outside_any
+        to_nearer = safe_distance if clear else smallest
+        to_farther = safe_width - to_nearer
+        inside = 0.0 < distance
+        outside_next = outside if inside else True
+        epsilon, xi = _transformed_error(to_nearer, to_farther)
+        u_i = _law(gain, xi, epsilon)
+        u_or_zero = 0.0 if empty else u_i
+        u[i] = u_or_zero
+        outside = outside_next
     return OUTSIDE_TUBE if outside else OK, tuple(u)
 
 
@@ -941,13 +941,13 @@ def margin(t, alpha, x):
         alpha_zero = alpha_j * 0.0
         zeros = zero + alpha_zero
         zero = zeros
-    zero2 = zero
-    for j2 in range(2):
-        x_j = x[j2]
-        x_zero = x_j * 0.0
-        zeros2 = zero2 + x_zero
-        zero2 = zeros2
-    finite = zero2 <= 0.0
+    x_zeros = zero
+    for k in range(2):
+        x_k = x[k]
+        x_zero = x_k * 0.0
+        x_sum = x_zeros + x_zero
+        x_zeros = x_sum
+    finite = x_zeros <= 0.0
     bad = not finite
     if bad:
         return math.nan
@@ -1014,18 +1014,18 @@ def margin(t, alpha, x):
         gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0244140625)
         gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0244140625)
         x_i = x[i]
-        room = gamma_high - gamma_low
-        wide = 9.5367431640625e-7 < room
-        width = room if wide else 9.5367431640625e-7
+        width = gamma_high - gamma_low
+        wide = 9.5367431640625e-7 < width
+        safe_width = width if wide else 9.5367431640625e-7
         to_lower = x_i - gamma_low
         to_upper = gamma_high - x_i
-        upper_nearer = to_upper < to_lower
-        nearest = to_upper if upper_nearer else to_lower
-        share = nearest / width
-        beyond = share < -1.0
-        held_share = -1.0 if beyond else share
-        less = held_share < margin
-        margin_next = held_share if less else margin
+        x_nearer = to_upper < to_lower
+        x_distance = to_upper if x_nearer else to_lower
+        x_share = x_distance / safe_width
+        x_beyond = x_share < -1.0
+        margin_x = -1.0 if x_beyond else x_share
+        less = margin_x < margin
+        margin_next = margin_x if less else margin
         margin = margin_next
     return margin
 
@@ -1048,8 +1048,8 @@ def margins(t, alpha, x):
     finite = zero <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(2):
-            margin[j2] = math.nan
+        for m in range(2):
+            margin[m] = math.nan
         return tuple(margin)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -1113,17 +1113,17 @@ def margins(t, alpha, x):
         gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0244140625)
         gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0244140625)
         x_i = x[i]
-        room = gamma_high - gamma_low
-        wide = 9.5367431640625e-7 < room
-        width = room if wide else 9.5367431640625e-7
+        width = gamma_high - gamma_low
+        wide = 9.5367431640625e-7 < width
+        safe_width = width if wide else 9.5367431640625e-7
         to_lower = x_i - gamma_low
         to_upper = gamma_high - x_i
-        upper_nearer = to_upper < to_lower
-        nearest = to_upper if upper_nearer else to_lower
-        share = nearest / width
-        beyond = share < -1.0
-        held_share = -1.0 if beyond else share
-        margin[i] = held_share
+        x_nearer = to_upper < to_lower
+        x_distance = to_upper if x_nearer else to_lower
+        x_share = x_distance / safe_width
+        x_beyond = x_share < -1.0
+        margin_x = -1.0 if x_beyond else x_share
+        margin[i] = margin_x
     return tuple(margin)
 
 
@@ -1145,43 +1145,43 @@ def transform(lower, upper, x):
         lower_edge = lower[i]
         upper_edge = upper[i]
         x_i = x[i]
-        room = upper_edge - lower_edge
-        filled = 0.0 < room
+        width = upper_edge - lower_edge
+        filled = 0.0 < width
         empty = not filled
-        wide = 9.5367431640625e-7 < room
-        width = room if wide else 9.5367431640625e-7
+        wide = 9.5367431640625e-7 < width
+        safe_width = width if wide else 9.5367431640625e-7
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
         upper_nearer = to_upper < to_lower
-        nearest = to_upper if upper_nearer else to_lower
-        gain = -1.0 if upper_nearer else 1.0
-        least = width * 0.004999999888241291
-        widened = width - room
-        spare = widened * 0.5
-        distance = nearest + spare
-        farther = least < distance
+        distance = to_upper if upper_nearer else to_lower
+        sign = -1.0 if upper_nearer else 1.0
+        smallest = safe_width * 0.004999999888241291
+        widened = safe_width - width
+        half = widened * 0.5
+        safe_distance = distance + half
+        farther = smallest < safe_distance
         clear = filled and farther
-        near = distance if clear else least
-        far = width - near
-        a = far if upper_nearer else near
-        b = near if upper_nearer else far
-        e_raw = _normalized_error(a, b, width)
-        e_held_above = -0.9900000095367432 < e_raw
-        e_held_raised = e_raw if e_held_above else -0.9900000095367432
-        e_held_over = 0.9900000095367432 < e_held_raised
-        e_held = 0.9900000095367432 if e_held_over else e_held_raised
-        epsilon_near, xi_i = _transformed_error(near, far)
-        epsilon_i = gain * epsilon_near
+        to_nearer = safe_distance if clear else smallest
+        to_farther = safe_width - to_nearer
+        a = to_farther if upper_nearer else to_nearer
+        b = to_nearer if upper_nearer else to_farther
+        e_i = _normalized_error(a, b, safe_width)
+        e_above = -0.9900000095367432 < e_i
+        e_raised = e_i if e_above else -0.9900000095367432
+        e_beyond = 0.9900000095367432 < e_raised
+        e_limited = 0.9900000095367432 if e_beyond else e_raised
+        epsilon_nearer, xi_i = _transformed_error(to_nearer, to_farther)
+        epsilon_i = sign * epsilon_nearer
         finite_x = math.isfinite(x_i)
-        finite_room = math.isfinite(room)
-        finite = finite_x and finite_room
-        e_settled = 0.0 if empty else e_held
-        e_out = e_settled if finite else math.nan
+        finite_width = math.isfinite(width)
+        finite = finite_x and finite_width
+        e_or_zero = 0.0 if empty else e_limited
+        e_out = e_or_zero if finite else math.nan
         e[i] = e_out
-        epsilon_settled = 0.0 if empty else epsilon_i
-        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon_or_zero = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_or_zero if finite else math.nan
         epsilon[i] = epsilon_out
-        xi_settled = 0.0 if empty else xi_i
-        xi_out = xi_settled if finite else math.nan
+        xi_or_zero = 0.0 if empty else xi_i
+        xi_out = xi_or_zero if finite else math.nan
         xi[i] = xi_out
     return tuple(e), tuple(epsilon), tuple(xi)

@@ -15,11 +15,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "omni_s2.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "omni_s2.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "omni_s2.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "omni_s2.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* By dimension: X0hat and That of the lower edge, X0hat and That of the upper edge. */
@@ -545,27 +556,27 @@ void omni_s2_alpha_step(omni_s2_real t, omni_s2_real dt, omni_s2_real alpha[2 * 
         const omni_s2_real psi_high = rho_high - beta_low;
         omni_s2_real low_p;
         omni_s2_real low_q;
-        omni_s2_real low_rest;
-        omni_s2_real low_z0;
-        omni_s2_implicit_start(psi_low, alpha_low, h, 0.01F, 5.0F, 1.0F, 100.0F, &low_p, &low_q, &low_rest, &low_z0);
-        omni_s2_real low_z = low_z0;
+        omni_s2_real low_theta_rest;
+        omni_s2_real low_z_start;
+        omni_s2_implicit_start(psi_low, alpha_low, h, 0.01F, 5.0F, 1.0F, 100.0F, &low_p, &low_q, &low_theta_rest, &low_z_start);
+        omni_s2_real low_z = low_z_start;
         for (int32_t low_k = 0; low_k < 7; ++low_k) {
             const omni_s2_real low_z_next = omni_s2_newton(low_p, low_q, low_z);
             low_z = low_z_next;
         }
-        const omni_s2_real alpha_low_out = omni_s2_implicit_end(low_q, low_rest, low_z);
+        const omni_s2_real alpha_low_out = omni_s2_implicit_end(low_q, low_theta_rest, low_z);
         alpha[i] = alpha_low_out;
         omni_s2_real high_p;
         omni_s2_real high_q;
-        omni_s2_real high_rest;
-        omni_s2_real high_z0;
-        omni_s2_implicit_start(psi_high, alpha_high, h, 0.01F, 5.0F, 1.0F, 100.0F, &high_p, &high_q, &high_rest, &high_z0);
-        omni_s2_real high_z = high_z0;
+        omni_s2_real high_theta_rest;
+        omni_s2_real high_z_start;
+        omni_s2_implicit_start(psi_high, alpha_high, h, 0.01F, 5.0F, 1.0F, 100.0F, &high_p, &high_q, &high_theta_rest, &high_z_start);
+        omni_s2_real high_z = high_z_start;
         for (int32_t high_k = 0; high_k < 7; ++high_k) {
             const omni_s2_real high_z_next = omni_s2_newton(high_p, high_q, high_z);
             high_z = high_z_next;
         }
-        const omni_s2_real alpha_high_out = omni_s2_implicit_end(high_q, high_rest, high_z);
+        const omni_s2_real alpha_high_out = omni_s2_implicit_end(high_q, high_theta_rest, high_z);
         const int32_t high_out_at = i + 2;
         alpha[high_out_at] = alpha_high_out;
     }
@@ -585,9 +596,9 @@ void omni_s2_alpha_rate(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N],
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 4; ++j2) {
-            rate[j2] = (omni_s2_real)NAN;
-            jacobian[j2] = (omni_s2_real)NAN;
+        for (int32_t m = 0; m < 4; ++m) {
+            rate[m] = (omni_s2_real)NAN;
+            jacobian[m] = (omni_s2_real)NAN;
         }
         return;
     }
@@ -682,9 +693,9 @@ void omni_s2_tube(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N], omni_
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            lower[j2] = (omni_s2_real)NAN;
-            upper[j2] = (omni_s2_real)NAN;
+        for (int32_t m = 0; m < 2; ++m) {
+            lower[m] = (omni_s2_real)NAN;
+            upper[m] = (omni_s2_real)NAN;
         }
         return;
     }
@@ -770,9 +781,9 @@ void omni_s2_tube_rate(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N],
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            lower_rate[j2] = (omni_s2_real)NAN;
-            upper_rate[j2] = (omni_s2_real)NAN;
+        for (int32_t m = 0; m < 2; ++m) {
+            lower_rate[m] = (omni_s2_real)NAN;
+            upper_rate[m] = (omni_s2_real)NAN;
         }
         return;
     }
@@ -880,18 +891,18 @@ omni_s2_status omni_s2_control(omni_s2_real t, const omni_s2_real alpha[2 * OMNI
         const omni_s2_real zeros = zero + alpha_zero;
         zero = zeros;
     }
-    omni_s2_real zero2 = zero;
-    for (int32_t j2 = 0; j2 < 2; ++j2) {
-        const omni_s2_real x_j = x[j2];
-        const omni_s2_real x_zero = x_j * 0.0F;
-        const omni_s2_real zeros2 = zero2 + x_zero;
-        zero2 = zeros2;
+    omni_s2_real x_zeros = zero;
+    for (int32_t k = 0; k < 2; ++k) {
+        const omni_s2_real x_k = x[k];
+        const omni_s2_real x_zero = x_k * 0.0F;
+        const omni_s2_real x_sum = x_zeros + x_zero;
+        x_zeros = x_sum;
     }
-    const bool finite = zero2 <= 0.0F;
+    const bool finite = x_zeros <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j3 = 0; j3 < 2; ++j3) {
-            u[j3] = 0.0F;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0F;
         }
         return OMNI_S2_BAD_INPUT;
     }
@@ -960,33 +971,33 @@ omni_s2_status omni_s2_control(omni_s2_real t, const omni_s2_real alpha[2 * OMNI
         const omni_s2_real gamma_low = omni_s2_lower_edge(rho_low, alpha_low, beta_low, 100.0F);
         const omni_s2_real gamma_high = omni_s2_upper_edge(rho_high, alpha_high, beta_high, 100.0F);
         const omni_s2_real x_i = x[i];
-        const omni_s2_real room = gamma_high - gamma_low;
-        const bool filled = 0.0F < room;
+        const omni_s2_real width = gamma_high - gamma_low;
+        const bool filled = 0.0F < width;
         const bool empty = !filled;
-        const bool wide = 9.536743e-7F < room;
-        const omni_s2_real width = wide ? room : 9.536743e-7F;
+        const bool wide = 9.536743e-7F < width;
+        const omni_s2_real safe_width = wide ? width : 9.536743e-7F;
         const omni_s2_real to_lower = x_i - gamma_low;
         const omni_s2_real to_upper = gamma_high - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const omni_s2_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s2_real distance = upper_nearer ? to_upper : to_lower;
         const omni_s2_real gain = upper_nearer ? (-0.5F) : 0.5F;
-        const omni_s2_real least = width * 0.005F;
-        const omni_s2_real widened = width - room;
-        const omni_s2_real spare = widened * 0.5F;
-        const omni_s2_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const omni_s2_real smallest = safe_width * 0.005F;
+        const omni_s2_real widened = safe_width - width;
+        const omni_s2_real half = widened * 0.5F;
+        const omni_s2_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const omni_s2_real near = clear ? distance : least;
-        const omni_s2_real far = width - near;
-        const bool within = 0.0F < nearest;
-        const bool outside_any = within ? outside : true;
+        const omni_s2_real to_nearer = clear ? safe_distance : smallest;
+        const omni_s2_real to_farther = safe_width - to_nearer;
+        const bool inside = 0.0F < distance;
+        const bool outside_next = inside ? outside : true;
         omni_s2_real epsilon;
         omni_s2_real xi;
-        omni_s2_transformed_error(near, far, &epsilon, &xi);
-        const omni_s2_real push = omni_s2_law(gain, xi, epsilon);
-        const omni_s2_real u_law = empty ? 0.0F : push;
-        u[i] = u_law;
-        outside = outside_any;
+        omni_s2_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const omni_s2_real u_i = omni_s2_law(gain, xi, epsilon);
+        const omni_s2_real u_or_zero = empty ? 0.0F : u_i;
+        u[i] = u_or_zero;
+        outside = outside_next;
     }
     return outside ? OMNI_S2_OUTSIDE_TUBE : OMNI_S2_OK;
 }
@@ -1002,14 +1013,14 @@ omni_s2_real omni_s2_margin(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2
         const omni_s2_real zeros = zero + alpha_zero;
         zero = zeros;
     }
-    omni_s2_real zero2 = zero;
-    for (int32_t j2 = 0; j2 < 2; ++j2) {
-        const omni_s2_real x_j = x[j2];
-        const omni_s2_real x_zero = x_j * 0.0F;
-        const omni_s2_real zeros2 = zero2 + x_zero;
-        zero2 = zeros2;
+    omni_s2_real x_zeros = zero;
+    for (int32_t k = 0; k < 2; ++k) {
+        const omni_s2_real x_k = x[k];
+        const omni_s2_real x_zero = x_k * 0.0F;
+        const omni_s2_real x_sum = x_zeros + x_zero;
+        x_zeros = x_sum;
     }
-    const bool finite = zero2 <= 0.0F;
+    const bool finite = x_zeros <= 0.0F;
     const bool bad = !finite;
     if (bad) {
         return (omni_s2_real)NAN;
@@ -1079,18 +1090,18 @@ omni_s2_real omni_s2_margin(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2
         const omni_s2_real gamma_low = omni_s2_lower_edge(rho_low, alpha_low, beta_low, 100.0F);
         const omni_s2_real gamma_high = omni_s2_upper_edge(rho_high, alpha_high, beta_high, 100.0F);
         const omni_s2_real x_i = x[i];
-        const omni_s2_real room = gamma_high - gamma_low;
-        const bool wide = 9.536743e-7F < room;
-        const omni_s2_real width = wide ? room : 9.536743e-7F;
+        const omni_s2_real width = gamma_high - gamma_low;
+        const bool wide = 9.536743e-7F < width;
+        const omni_s2_real safe_width = wide ? width : 9.536743e-7F;
         const omni_s2_real to_lower = x_i - gamma_low;
         const omni_s2_real to_upper = gamma_high - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const omni_s2_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_s2_real share = nearest / width;
-        const bool beyond = share < (-1.0F);
-        const omni_s2_real held_share = beyond ? (-1.0F) : share;
-        const bool less = held_share < margin;
-        const omni_s2_real margin_next = less ? held_share : margin;
+        const bool x_nearer = to_upper < to_lower;
+        const omni_s2_real x_distance = x_nearer ? to_upper : to_lower;
+        const omni_s2_real x_share = x_distance / safe_width;
+        const bool x_beyond = x_share < (-1.0F);
+        const omni_s2_real margin_x = x_beyond ? (-1.0F) : x_share;
+        const bool less = margin_x < margin;
+        const omni_s2_real margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -1110,8 +1121,8 @@ void omni_s2_margins(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N], co
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            margin[j2] = (omni_s2_real)NAN;
+        for (int32_t m = 0; m < 2; ++m) {
+            margin[m] = (omni_s2_real)NAN;
         }
         return;
     }
@@ -1179,17 +1190,17 @@ void omni_s2_margins(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N], co
         const omni_s2_real gamma_low = omni_s2_lower_edge(rho_low, alpha_low, beta_low, 100.0F);
         const omni_s2_real gamma_high = omni_s2_upper_edge(rho_high, alpha_high, beta_high, 100.0F);
         const omni_s2_real x_i = x[i];
-        const omni_s2_real room = gamma_high - gamma_low;
-        const bool wide = 9.536743e-7F < room;
-        const omni_s2_real width = wide ? room : 9.536743e-7F;
+        const omni_s2_real width = gamma_high - gamma_low;
+        const bool wide = 9.536743e-7F < width;
+        const omni_s2_real safe_width = wide ? width : 9.536743e-7F;
         const omni_s2_real to_lower = x_i - gamma_low;
         const omni_s2_real to_upper = gamma_high - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const omni_s2_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_s2_real share = nearest / width;
-        const bool beyond = share < (-1.0F);
-        const omni_s2_real held_share = beyond ? (-1.0F) : share;
-        margin[i] = held_share;
+        const bool x_nearer = to_upper < to_lower;
+        const omni_s2_real x_distance = x_nearer ? to_upper : to_lower;
+        const omni_s2_real x_share = x_distance / safe_width;
+        const bool x_beyond = x_share < (-1.0F);
+        const omni_s2_real margin_x = x_beyond ? (-1.0F) : x_share;
+        margin[i] = margin_x;
     }
 }
 
@@ -1201,46 +1212,46 @@ void omni_s2_transform(const omni_s2_real lower[OMNI_S2_N], const omni_s2_real u
         const omni_s2_real lower_edge = lower[i];
         const omni_s2_real upper_edge = upper[i];
         const omni_s2_real x_i = x[i];
-        const omni_s2_real room = upper_edge - lower_edge;
-        const bool filled = 0.0F < room;
+        const omni_s2_real width = upper_edge - lower_edge;
+        const bool filled = 0.0F < width;
         const bool empty = !filled;
-        const bool wide = 9.536743e-7F < room;
-        const omni_s2_real width = wide ? room : 9.536743e-7F;
+        const bool wide = 9.536743e-7F < width;
+        const omni_s2_real safe_width = wide ? width : 9.536743e-7F;
         const omni_s2_real to_lower = x_i - lower_edge;
         const omni_s2_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const omni_s2_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_s2_real gain = upper_nearer ? (-1.0F) : 1.0F;
-        const omni_s2_real least = width * 0.005F;
-        const omni_s2_real widened = width - room;
-        const omni_s2_real spare = widened * 0.5F;
-        const omni_s2_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const omni_s2_real distance = upper_nearer ? to_upper : to_lower;
+        const omni_s2_real sign = upper_nearer ? (-1.0F) : 1.0F;
+        const omni_s2_real smallest = safe_width * 0.005F;
+        const omni_s2_real widened = safe_width - width;
+        const omni_s2_real half = widened * 0.5F;
+        const omni_s2_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const omni_s2_real near = clear ? distance : least;
-        const omni_s2_real far = width - near;
-        const omni_s2_real a = upper_nearer ? far : near;
-        const omni_s2_real b = upper_nearer ? near : far;
-        const omni_s2_real e_raw = omni_s2_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99F) < e_raw;
-        const omni_s2_real e_held_raised = e_held_above ? e_raw : (-0.99F);
-        const bool e_held_over = 0.99F < e_held_raised;
-        const omni_s2_real e_held = e_held_over ? 0.99F : e_held_raised;
-        omni_s2_real epsilon_near;
+        const omni_s2_real to_nearer = clear ? safe_distance : smallest;
+        const omni_s2_real to_farther = safe_width - to_nearer;
+        const omni_s2_real a = upper_nearer ? to_farther : to_nearer;
+        const omni_s2_real b = upper_nearer ? to_nearer : to_farther;
+        const omni_s2_real e_i = omni_s2_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99F) < e_i;
+        const omni_s2_real e_raised = e_above ? e_i : (-0.99F);
+        const bool e_beyond = 0.99F < e_raised;
+        const omni_s2_real e_limited = e_beyond ? 0.99F : e_raised;
+        omni_s2_real epsilon_nearer;
         omni_s2_real xi_i;
-        omni_s2_transformed_error(near, far, &epsilon_near, &xi_i);
-        const omni_s2_real epsilon_i = gain * epsilon_near;
+        omni_s2_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const omni_s2_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const omni_s2_real e_settled = empty ? 0.0F : e_held;
-        const omni_s2_real e_out = finite ? e_settled : (omni_s2_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const omni_s2_real e_or_zero = empty ? 0.0F : e_limited;
+        const omni_s2_real e_out = finite ? e_or_zero : (omni_s2_real)NAN;
         e[i] = e_out;
-        const omni_s2_real epsilon_settled = empty ? 0.0F : epsilon_i;
-        const omni_s2_real epsilon_out = finite ? epsilon_settled : (omni_s2_real)NAN;
+        const omni_s2_real epsilon_or_zero = empty ? 0.0F : epsilon_i;
+        const omni_s2_real epsilon_out = finite ? epsilon_or_zero : (omni_s2_real)NAN;
         epsilon[i] = epsilon_out;
-        const omni_s2_real xi_settled = empty ? 0.0F : xi_i;
-        const omni_s2_real xi_out = finite ? xi_settled : (omni_s2_real)NAN;
+        const omni_s2_real xi_or_zero = empty ? 0.0F : xi_i;
+        const omni_s2_real xi_out = finite ? xi_or_zero : (omni_s2_real)NAN;
         xi[i] = xi_out;
     }
 }

@@ -12,11 +12,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "omni_s3.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "omni_s3.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "omni_s3.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
 #error "omni_s3.c: compile for double arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:
@@ -140,10 +151,19 @@ static inline void omni_s3_basis_rate(omni_s3_real s, omni_s3_real *dw0, omni_s3
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline omni_s3_real omni_s3_blend(omni_s3_real w0, omni_s3_real w1, omni_s3_real w2, omni_s3_real w3,
-                                         omni_s3_real q0, omni_s3_real q1, omni_s3_real q2, omni_s3_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline omni_s3_real omni_s3_edge_at(int32_t at, omni_s3_real w0, omni_s3_real w1, omni_s3_real w2,
+                                           omni_s3_real w3)
 {
+    const omni_s3_real q0 = omni_s3_coefficients[at];
+    const int32_t at_1 = at + 4;
+    const omni_s3_real q1 = omni_s3_coefficients[at_1];
+    const int32_t at_2 = at + 8;
+    const omni_s3_real q2 = omni_s3_coefficients[at_2];
+    const int32_t at_3 = at + 12;
+    const omni_s3_real q3 = omni_s3_coefficients[at_3];
     const omni_s3_real v0 = w0 * q0;
     const omni_s3_real v1 = w1 * q1;
     const omni_s3_real v2 = v0 + v1;
@@ -205,25 +225,11 @@ void omni_s3_tube(omni_s3_real t, omni_s3_real lower[OMNI_S3_N], omni_s3_real up
     omni_s3_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const omni_s3_real lower_q0 = omni_s3_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const omni_s3_real lower_q1 = omni_s3_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const omni_s3_real lower_q2 = omni_s3_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const omni_s3_real lower_q3 = omni_s3_coefficients[lower_3];
-        const omni_s3_real lower_edge = omni_s3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const omni_s3_real lower_edge = omni_s3_edge_at(lower_at, w0, w1, w2, w3);
+        const omni_s3_real upper_edge = omni_s3_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const omni_s3_real upper_q0 = omni_s3_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const omni_s3_real upper_q1 = omni_s3_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const omni_s3_real upper_q2 = omni_s3_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const omni_s3_real upper_q3 = omni_s3_coefficients[upper_3];
-        const omni_s3_real upper_edge = omni_s3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -251,27 +257,13 @@ void omni_s3_tube_rate(omni_s3_real t, omni_s3_real lower_rate[OMNI_S3_N], omni_
     const omni_s3_real per_second = moving ? 3.5555555555555554 : 0.0;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const omni_s3_real lower_q0 = omni_s3_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const omni_s3_real lower_q1 = omni_s3_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const omni_s3_real lower_q2 = omni_s3_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const omni_s3_real lower_q3 = omni_s3_coefficients[lower_3];
-        const omni_s3_real lower_slope = omni_s3_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const omni_s3_real lower_slope = omni_s3_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const omni_s3_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const omni_s3_real upper_q0 = omni_s3_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const omni_s3_real upper_q1 = omni_s3_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const omni_s3_real upper_q2 = omni_s3_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const omni_s3_real upper_q3 = omni_s3_coefficients[upper_3];
-        const omni_s3_real upper_slope = omni_s3_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_s3_real upper_slope = omni_s3_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const omni_s3_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -289,8 +281,8 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], 
     const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0;
         }
         return OMNI_S3_BAD_INPUT;
     }
@@ -305,43 +297,29 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], 
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const omni_s3_real lower_q0 = omni_s3_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const omni_s3_real lower_q1 = omni_s3_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const omni_s3_real lower_q2 = omni_s3_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const omni_s3_real lower_q3 = omni_s3_coefficients[lower_3];
-        const omni_s3_real lower_edge = omni_s3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const omni_s3_real upper_q0 = omni_s3_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const omni_s3_real upper_q1 = omni_s3_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const omni_s3_real upper_q2 = omni_s3_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const omni_s3_real upper_q3 = omni_s3_coefficients[upper_3];
-        const omni_s3_real upper_edge = omni_s3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const omni_s3_real lower_edge = omni_s3_edge_at(lower_at, w0, w1, w2, w3);
+        const omni_s3_real upper_edge = omni_s3_edge_at(upper_at, w0, w1, w2, w3);
         const omni_s3_real x_i = x[i];
-        const omni_s3_real room = upper_edge - lower_edge;
+        const omni_s3_real width = upper_edge - lower_edge;
         const omni_s3_real to_lower = x_i - lower_edge;
         const omni_s3_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const omni_s3_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s3_real distance = upper_nearer ? to_upper : to_lower;
         const omni_s3_real gain = upper_nearer ? (-0.5) : 0.5;
-        const omni_s3_real least = room * 0.005;
-        const bool clear = least < nearest;
-        const omni_s3_real near = clear ? nearest : least;
-        const omni_s3_real far = room - near;
-        const bool within = 0.0 < nearest;
-        const bool outside_any = within ? outside : true;
+        const omni_s3_real smallest = width * 0.005;
+        const bool clear = smallest < distance;
+        const omni_s3_real to_nearer = clear ? distance : smallest;
+        const omni_s3_real to_farther = width - to_nearer;
+        const bool inside = 0.0 < distance;
+        const bool outside_next = inside ? outside : true;
         omni_s3_real epsilon;
         omni_s3_real xi;
-        omni_s3_transformed_error(near, far, &epsilon, &xi);
-        const omni_s3_real push = omni_s3_law(gain, xi, epsilon);
-        u[i] = push;
-        outside = outside_any;
+        omni_s3_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const omni_s3_real u_i = omni_s3_law(gain, xi, epsilon);
+        u[i] = u_i;
+        outside = outside_next;
     }
     return outside ? OMNI_S3_OUTSIDE_TUBE : OMNI_S3_OK;
 }
@@ -372,35 +350,21 @@ omni_s3_real omni_s3_margin(omni_s3_real t, const omni_s3_real x[OMNI_S3_N])
     omni_s3_real margin = 0.5;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const omni_s3_real lower_q0 = omni_s3_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const omni_s3_real lower_q1 = omni_s3_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const omni_s3_real lower_q2 = omni_s3_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const omni_s3_real lower_q3 = omni_s3_coefficients[lower_3];
-        const omni_s3_real lower_edge = omni_s3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const omni_s3_real upper_q0 = omni_s3_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const omni_s3_real upper_q1 = omni_s3_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const omni_s3_real upper_q2 = omni_s3_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const omni_s3_real upper_q3 = omni_s3_coefficients[upper_3];
-        const omni_s3_real upper_edge = omni_s3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const omni_s3_real lower_edge = omni_s3_edge_at(lower_at, w0, w1, w2, w3);
+        const omni_s3_real upper_edge = omni_s3_edge_at(upper_at, w0, w1, w2, w3);
         const omni_s3_real x_i = x[i];
-        const omni_s3_real room = upper_edge - lower_edge;
+        const omni_s3_real width = upper_edge - lower_edge;
         const omni_s3_real to_lower = x_i - lower_edge;
         const omni_s3_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const omni_s3_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_s3_real share = nearest / room;
-        const bool beyond = share < (-1.0);
-        const omni_s3_real held_share = beyond ? (-1.0) : share;
-        const bool less = held_share < margin;
-        const omni_s3_real margin_next = less ? held_share : margin;
+        const bool x_nearer = to_upper < to_lower;
+        const omni_s3_real x_distance = x_nearer ? to_upper : to_lower;
+        const omni_s3_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const omni_s3_real margin_x = x_beyond ? (-1.0) : x_share;
+        const bool less = margin_x < margin;
+        const omni_s3_real margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -426,34 +390,20 @@ void omni_s3_margins(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], omni_s3_re
     omni_s3_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const omni_s3_real lower_q0 = omni_s3_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const omni_s3_real lower_q1 = omni_s3_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const omni_s3_real lower_q2 = omni_s3_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const omni_s3_real lower_q3 = omni_s3_coefficients[lower_3];
-        const omni_s3_real lower_edge = omni_s3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const omni_s3_real upper_q0 = omni_s3_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const omni_s3_real upper_q1 = omni_s3_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const omni_s3_real upper_q2 = omni_s3_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const omni_s3_real upper_q3 = omni_s3_coefficients[upper_3];
-        const omni_s3_real upper_edge = omni_s3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const omni_s3_real lower_edge = omni_s3_edge_at(lower_at, w0, w1, w2, w3);
+        const omni_s3_real upper_edge = omni_s3_edge_at(upper_at, w0, w1, w2, w3);
         const omni_s3_real x_i = x[i];
-        const omni_s3_real room = upper_edge - lower_edge;
+        const omni_s3_real width = upper_edge - lower_edge;
         const omni_s3_real to_lower = x_i - lower_edge;
         const omni_s3_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const omni_s3_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_s3_real share = nearest / room;
-        const bool beyond = share < (-1.0);
-        const omni_s3_real held_share = beyond ? (-1.0) : share;
-        margin[i] = held_share;
+        const bool x_nearer = to_upper < to_lower;
+        const omni_s3_real x_distance = x_nearer ? to_upper : to_lower;
+        const omni_s3_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const omni_s3_real margin_x = x_beyond ? (-1.0) : x_share;
+        margin[i] = margin_x;
     }
 }
 
@@ -462,12 +412,12 @@ bool omni_s3_covered(const omni_s3_real x[OMNI_S3_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const omni_s3_real x_i = x[i];
-        const omni_s3_real start_lower_i = omni_s3_start_lower[i];
-        const omni_s3_real start_upper_i = omni_s3_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const omni_s3_real x_lower = omni_s3_start_lower[i];
+        const omni_s3_real x_upper = omni_s3_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;
@@ -481,46 +431,46 @@ void omni_s3_transform(const omni_s3_real lower[OMNI_S3_N], const omni_s3_real u
         const omni_s3_real lower_edge = lower[i];
         const omni_s3_real upper_edge = upper[i];
         const omni_s3_real x_i = x[i];
-        const omni_s3_real room = upper_edge - lower_edge;
-        const bool filled = 0.0 < room;
+        const omni_s3_real width = upper_edge - lower_edge;
+        const bool filled = 0.0 < width;
         const bool empty = !filled;
-        const bool wide = 9.5367431640625e-7 < room;
-        const omni_s3_real width = wide ? room : 9.5367431640625e-7;
+        const bool wide = 9.5367431640625e-7 < width;
+        const omni_s3_real safe_width = wide ? width : 9.5367431640625e-7;
         const omni_s3_real to_lower = x_i - lower_edge;
         const omni_s3_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const omni_s3_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_s3_real gain = upper_nearer ? (-1.0) : 1.0;
-        const omni_s3_real least = width * 0.005;
-        const omni_s3_real widened = width - room;
-        const omni_s3_real spare = widened * 0.5;
-        const omni_s3_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const omni_s3_real distance = upper_nearer ? to_upper : to_lower;
+        const omni_s3_real sign = upper_nearer ? (-1.0) : 1.0;
+        const omni_s3_real smallest = safe_width * 0.005;
+        const omni_s3_real widened = safe_width - width;
+        const omni_s3_real half = widened * 0.5;
+        const omni_s3_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const omni_s3_real near = clear ? distance : least;
-        const omni_s3_real far = width - near;
-        const omni_s3_real a = upper_nearer ? far : near;
-        const omni_s3_real b = upper_nearer ? near : far;
-        const omni_s3_real e_raw = omni_s3_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99) < e_raw;
-        const omni_s3_real e_held_raised = e_held_above ? e_raw : (-0.99);
-        const bool e_held_over = 0.99 < e_held_raised;
-        const omni_s3_real e_held = e_held_over ? 0.99 : e_held_raised;
-        omni_s3_real epsilon_near;
+        const omni_s3_real to_nearer = clear ? safe_distance : smallest;
+        const omni_s3_real to_farther = safe_width - to_nearer;
+        const omni_s3_real a = upper_nearer ? to_farther : to_nearer;
+        const omni_s3_real b = upper_nearer ? to_nearer : to_farther;
+        const omni_s3_real e_i = omni_s3_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99) < e_i;
+        const omni_s3_real e_raised = e_above ? e_i : (-0.99);
+        const bool e_beyond = 0.99 < e_raised;
+        const omni_s3_real e_limited = e_beyond ? 0.99 : e_raised;
+        omni_s3_real epsilon_nearer;
         omni_s3_real xi_i;
-        omni_s3_transformed_error(near, far, &epsilon_near, &xi_i);
-        const omni_s3_real epsilon_i = gain * epsilon_near;
+        omni_s3_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const omni_s3_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const omni_s3_real e_settled = empty ? 0.0 : e_held;
-        const omni_s3_real e_out = finite ? e_settled : (omni_s3_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const omni_s3_real e_or_zero = empty ? 0.0 : e_limited;
+        const omni_s3_real e_out = finite ? e_or_zero : (omni_s3_real)NAN;
         e[i] = e_out;
-        const omni_s3_real epsilon_settled = empty ? 0.0 : epsilon_i;
-        const omni_s3_real epsilon_out = finite ? epsilon_settled : (omni_s3_real)NAN;
+        const omni_s3_real epsilon_or_zero = empty ? 0.0 : epsilon_i;
+        const omni_s3_real epsilon_out = finite ? epsilon_or_zero : (omni_s3_real)NAN;
         epsilon[i] = epsilon_out;
-        const omni_s3_real xi_settled = empty ? 0.0 : xi_i;
-        const omni_s3_real xi_out = finite ? xi_settled : (omni_s3_real)NAN;
+        const omni_s3_real xi_or_zero = empty ? 0.0 : xi_i;
+        const omni_s3_real xi_out = finite ? xi_or_zero : (omni_s3_real)NAN;
         xi[i] = xi_out;
     }
 }

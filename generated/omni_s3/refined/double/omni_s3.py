@@ -136,8 +136,17 @@ def _basis_rate(s):
     return v5, v12, v14, v18
 
 
-def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
-    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+def _edge_at(at, w0, w1, w2, w3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j,
+    of the control points that stand at `at` and one, two and three rows after it.
+    """
+    q0 = COEFFICIENTS[at]
+    at_1 = at + 4
+    q1 = COEFFICIENTS[at_1]
+    at_2 = at + 8
+    q2 = COEFFICIENTS[at_2]
+    at_3 = at + 12
+    q3 = COEFFICIENTS[at_3]
     v0 = w0 * q0
     v1 = w1 * q1
     v2 = v0 + v1
@@ -191,25 +200,11 @@ def tube(t):
     w0, w1, w2, w3 = _basis(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
+        upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
         lower[i] = lower_edge
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
         upper[i] = upper_edge
     return tuple(lower), tuple(upper)
 
@@ -234,27 +229,13 @@ def tube_rate(t):
     per_second = 3.5555555555555554 if moving else 0.0
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_slope = _edge_at(lower_at, dw0, dw1, dw2, dw3)
         lower_speed = lower_slope * per_second
-        lower_rate[i] = lower_speed
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _edge_at(upper_at, dw0, dw1, dw2, dw3)
         upper_speed = upper_slope * per_second
+        lower_rate[i] = lower_speed
         upper_rate[i] = upper_speed
     return tuple(lower_rate), tuple(upper_rate)
 
@@ -278,49 +259,35 @@ def control(t, x):
     finite = zero <= 0.0
     bad = not finite
     if bad:
-        for j2 in range(2):
-            u[j2] = 0.0
+        for m in range(2):
+            u[m] = 0.0
         return BAD_INPUT, tuple(u)
     row, s = _segment(t)
     w0, w1, w2, w3 = _basis(s)
     outside = False
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
+        upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
         x_i = x[i]
-        room = upper_edge - lower_edge
+        width = upper_edge - lower_edge
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
         upper_nearer = to_upper < to_lower
-        nearest = to_upper if upper_nearer else to_lower
+        distance = to_upper if upper_nearer else to_lower
         gain = -0.5 if upper_nearer else 0.5
-        least = room * 0.005
-        clear = least < nearest
-        near = nearest if clear else least
-        far = room - near
-        within = 0.0 < nearest
-        outside_any = outside if within else True
-        epsilon, xi = _transformed_error(near, far)
-        push = _law(gain, xi, epsilon)
-        u[i] = push
-        outside = outside_any
+        smallest = width * 0.005
+        clear = smallest < distance
+        to_nearer = distance if clear else smallest
+        to_farther = width - to_nearer
+        inside = 0.0 < distance
+        outside_next = outside if inside else True
+        epsilon, xi = _transformed_error(to_nearer, to_farther)
+        u_i = _law(gain, xi, epsilon)
+        u[i] = u_i
+        outside = outside_next
     return OUTSIDE_TUBE if outside else OK, tuple(u)
 
 
@@ -347,35 +314,21 @@ def margin(t, x):
     margin = 0.5
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
+        upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
         x_i = x[i]
-        room = upper_edge - lower_edge
+        width = upper_edge - lower_edge
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
-        upper_nearer = to_upper < to_lower
-        nearest = to_upper if upper_nearer else to_lower
-        share = nearest / room
-        beyond = share < -1.0
-        held_share = -1.0 if beyond else share
-        less = held_share < margin
-        margin_next = held_share if less else margin
+        x_nearer = to_upper < to_lower
+        x_distance = to_upper if x_nearer else to_lower
+        x_share = x_distance / width
+        x_beyond = x_share < -1.0
+        margin_x = -1.0 if x_beyond else x_share
+        less = margin_x < margin
+        margin_next = margin_x if less else margin
         margin = margin_next
     return margin
 
@@ -397,34 +350,20 @@ def margins(t, x):
     w0, w1, w2, w3 = _basis(s)
     for i in range(2):
         pair = i * 2
-        at = row + pair
-        lower_q0 = COEFFICIENTS[at]
-        lower_1 = at + 4
-        lower_q1 = COEFFICIENTS[lower_1]
-        lower_2 = at + 8
-        lower_q2 = COEFFICIENTS[lower_2]
-        lower_3 = at + 12
-        lower_q3 = COEFFICIENTS[lower_3]
-        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
-        upper_0 = at + 1
-        upper_q0 = COEFFICIENTS[upper_0]
-        upper_1 = at + 5
-        upper_q1 = COEFFICIENTS[upper_1]
-        upper_2 = at + 9
-        upper_q2 = COEFFICIENTS[upper_2]
-        upper_3 = at + 13
-        upper_q3 = COEFFICIENTS[upper_3]
-        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        lower_at = row + pair
+        upper_at = lower_at + 1
+        lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
+        upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
         x_i = x[i]
-        room = upper_edge - lower_edge
+        width = upper_edge - lower_edge
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
-        upper_nearer = to_upper < to_lower
-        nearest = to_upper if upper_nearer else to_lower
-        share = nearest / room
-        beyond = share < -1.0
-        held_share = -1.0 if beyond else share
-        margin[i] = held_share
+        x_nearer = to_upper < to_lower
+        x_distance = to_upper if x_nearer else to_lower
+        x_share = x_distance / width
+        x_beyond = x_share < -1.0
+        margin_x = -1.0 if x_beyond else x_share
+        margin[i] = margin_x
     return tuple(margin)
 
 
@@ -439,12 +378,12 @@ def covered(x):
     covered = True
     for i in range(2):
         x_i = x[i]
-        start_lower_i = START_LOWER[i]
-        start_upper_i = START_UPPER[i]
-        x_i_after = start_lower_i < x_i
-        x_i_before = x_i < start_upper_i
-        x_i_between = x_i_after and x_i_before
-        covered_next = covered if x_i_between else False
+        x_lower = START_LOWER[i]
+        x_upper = START_UPPER[i]
+        x_above = x_lower < x_i
+        x_below = x_i < x_upper
+        x_inside = x_above and x_below
+        covered_next = covered if x_inside else False
         covered = covered_next
     return covered
 
@@ -467,43 +406,43 @@ def transform(lower, upper, x):
         lower_edge = lower[i]
         upper_edge = upper[i]
         x_i = x[i]
-        room = upper_edge - lower_edge
-        filled = 0.0 < room
+        width = upper_edge - lower_edge
+        filled = 0.0 < width
         empty = not filled
-        wide = 9.5367431640625e-7 < room
-        width = room if wide else 9.5367431640625e-7
+        wide = 9.5367431640625e-7 < width
+        safe_width = width if wide else 9.5367431640625e-7
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
         upper_nearer = to_upper < to_lower
-        nearest = to_upper if upper_nearer else to_lower
-        gain = -1.0 if upper_nearer else 1.0
-        least = width * 0.005
-        widened = width - room
-        spare = widened * 0.5
-        distance = nearest + spare
-        farther = least < distance
+        distance = to_upper if upper_nearer else to_lower
+        sign = -1.0 if upper_nearer else 1.0
+        smallest = safe_width * 0.005
+        widened = safe_width - width
+        half = widened * 0.5
+        safe_distance = distance + half
+        farther = smallest < safe_distance
         clear = filled and farther
-        near = distance if clear else least
-        far = width - near
-        a = far if upper_nearer else near
-        b = near if upper_nearer else far
-        e_raw = _normalized_error(a, b, width)
-        e_held_above = -0.99 < e_raw
-        e_held_raised = e_raw if e_held_above else -0.99
-        e_held_over = 0.99 < e_held_raised
-        e_held = 0.99 if e_held_over else e_held_raised
-        epsilon_near, xi_i = _transformed_error(near, far)
-        epsilon_i = gain * epsilon_near
+        to_nearer = safe_distance if clear else smallest
+        to_farther = safe_width - to_nearer
+        a = to_farther if upper_nearer else to_nearer
+        b = to_nearer if upper_nearer else to_farther
+        e_i = _normalized_error(a, b, safe_width)
+        e_above = -0.99 < e_i
+        e_raised = e_i if e_above else -0.99
+        e_beyond = 0.99 < e_raised
+        e_limited = 0.99 if e_beyond else e_raised
+        epsilon_nearer, xi_i = _transformed_error(to_nearer, to_farther)
+        epsilon_i = sign * epsilon_nearer
         finite_x = math.isfinite(x_i)
-        finite_room = math.isfinite(room)
-        finite = finite_x and finite_room
-        e_settled = 0.0 if empty else e_held
-        e_out = e_settled if finite else math.nan
+        finite_width = math.isfinite(width)
+        finite = finite_x and finite_width
+        e_or_zero = 0.0 if empty else e_limited
+        e_out = e_or_zero if finite else math.nan
         e[i] = e_out
-        epsilon_settled = 0.0 if empty else epsilon_i
-        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon_or_zero = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_or_zero if finite else math.nan
         epsilon[i] = epsilon_out
-        xi_settled = 0.0 if empty else xi_i
-        xi_out = xi_settled if finite else math.nan
+        xi_or_zero = 0.0 if empty else xi_i
+        xi_out = xi_or_zero if finite else math.nan
         xi[i] = xi_out
     return tuple(e), tuple(epsilon), tuple(xi)

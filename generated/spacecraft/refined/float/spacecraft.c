@@ -12,11 +12,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "spacecraft.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "spacecraft.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "spacecraft.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "spacecraft.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:
@@ -175,11 +186,19 @@ static inline void spacecraft_basis_rate(spacecraft_real s, spacecraft_real *dw0
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline spacecraft_real spacecraft_blend(spacecraft_real w0, spacecraft_real w1, spacecraft_real w2,
-                                               spacecraft_real w3, spacecraft_real q0, spacecraft_real q1,
-                                               spacecraft_real q2, spacecraft_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline spacecraft_real spacecraft_edge_at(int32_t at, spacecraft_real w0, spacecraft_real w1,
+                                                 spacecraft_real w2, spacecraft_real w3)
 {
+    const spacecraft_real q0 = spacecraft_coefficients[at];
+    const int32_t at_1 = at + 6;
+    const spacecraft_real q1 = spacecraft_coefficients[at_1];
+    const int32_t at_2 = at + 12;
+    const spacecraft_real q2 = spacecraft_coefficients[at_2];
+    const int32_t at_3 = at + 18;
+    const spacecraft_real q3 = spacecraft_coefficients[at_3];
     const spacecraft_real v0 = w0 * q0;
     const spacecraft_real v1 = w1 * q1;
     const spacecraft_real v2 = v0 + v1;
@@ -243,25 +262,11 @@ void spacecraft_tube(spacecraft_real t, spacecraft_real lower[SPACECRAFT_N],
     spacecraft_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
-        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const spacecraft_real lower_edge = spacecraft_edge_at(lower_at, w0, w1, w2, w3);
+        const spacecraft_real upper_edge = spacecraft_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
-        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -290,27 +295,13 @@ void spacecraft_tube_rate(spacecraft_real t, spacecraft_real lower_rate[SPACECRA
     const spacecraft_real per_second = moving ? 2.1333334F : 0.0F;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
-        const spacecraft_real lower_slope = spacecraft_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const spacecraft_real lower_slope = spacecraft_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const spacecraft_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
-        const spacecraft_real upper_slope = spacecraft_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const spacecraft_real upper_slope = spacecraft_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const spacecraft_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -329,8 +320,8 @@ spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 3; ++j2) {
-            u[j2] = 0.0F;
+        for (int32_t m = 0; m < 3; ++m) {
+            u[m] = 0.0F;
         }
         return SPACECRAFT_BAD_INPUT;
     }
@@ -345,43 +336,29 @@ spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[
     bool outside = false;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
-        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
-        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const spacecraft_real lower_edge = spacecraft_edge_at(lower_at, w0, w1, w2, w3);
+        const spacecraft_real upper_edge = spacecraft_edge_at(upper_at, w0, w1, w2, w3);
         const spacecraft_real x_i = x[i];
-        const spacecraft_real room = upper_edge - lower_edge;
+        const spacecraft_real width = upper_edge - lower_edge;
         const spacecraft_real to_lower = x_i - lower_edge;
         const spacecraft_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const spacecraft_real nearest = upper_nearer ? to_upper : to_lower;
+        const spacecraft_real distance = upper_nearer ? to_upper : to_lower;
         const spacecraft_real gain = upper_nearer ? (-0.5F) : 0.5F;
-        const spacecraft_real least = room * 0.005F;
-        const bool clear = least < nearest;
-        const spacecraft_real near = clear ? nearest : least;
-        const spacecraft_real far = room - near;
-        const bool within = 0.0F < nearest;
-        const bool outside_any = within ? outside : true;
+        const spacecraft_real smallest = width * 0.005F;
+        const bool clear = smallest < distance;
+        const spacecraft_real to_nearer = clear ? distance : smallest;
+        const spacecraft_real to_farther = width - to_nearer;
+        const bool inside = 0.0F < distance;
+        const bool outside_next = inside ? outside : true;
         spacecraft_real epsilon;
         spacecraft_real xi;
-        spacecraft_transformed_error(near, far, &epsilon, &xi);
-        const spacecraft_real push = spacecraft_law(gain, xi, epsilon);
-        u[i] = push;
-        outside = outside_any;
+        spacecraft_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const spacecraft_real u_i = spacecraft_law(gain, xi, epsilon);
+        u[i] = u_i;
+        outside = outside_next;
     }
     return outside ? SPACECRAFT_OUTSIDE_TUBE : SPACECRAFT_OK;
 }
@@ -412,35 +389,21 @@ spacecraft_real spacecraft_margin(spacecraft_real t, const spacecraft_real x[SPA
     spacecraft_real margin = 0.5F;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
-        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
-        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const spacecraft_real lower_edge = spacecraft_edge_at(lower_at, w0, w1, w2, w3);
+        const spacecraft_real upper_edge = spacecraft_edge_at(upper_at, w0, w1, w2, w3);
         const spacecraft_real x_i = x[i];
-        const spacecraft_real room = upper_edge - lower_edge;
+        const spacecraft_real width = upper_edge - lower_edge;
         const spacecraft_real to_lower = x_i - lower_edge;
         const spacecraft_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const spacecraft_real nearest = upper_nearer ? to_upper : to_lower;
-        const spacecraft_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const spacecraft_real held_share = beyond ? (-1.0F) : share;
-        const bool less = held_share < margin;
-        const spacecraft_real margin_next = less ? held_share : margin;
+        const bool x_nearer = to_upper < to_lower;
+        const spacecraft_real x_distance = x_nearer ? to_upper : to_lower;
+        const spacecraft_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const spacecraft_real margin_x = x_beyond ? (-1.0F) : x_share;
+        const bool less = margin_x < margin;
+        const spacecraft_real margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -467,34 +430,20 @@ void spacecraft_margins(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N]
     spacecraft_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
-        const int32_t lower_1 = at + 6;
-        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
-        const int32_t lower_2 = at + 12;
-        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
-        const int32_t lower_3 = at + 18;
-        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
-        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
-        const int32_t upper_1 = at + 7;
-        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
-        const int32_t upper_2 = at + 13;
-        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
-        const int32_t upper_3 = at + 19;
-        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
-        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const spacecraft_real lower_edge = spacecraft_edge_at(lower_at, w0, w1, w2, w3);
+        const spacecraft_real upper_edge = spacecraft_edge_at(upper_at, w0, w1, w2, w3);
         const spacecraft_real x_i = x[i];
-        const spacecraft_real room = upper_edge - lower_edge;
+        const spacecraft_real width = upper_edge - lower_edge;
         const spacecraft_real to_lower = x_i - lower_edge;
         const spacecraft_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const spacecraft_real nearest = upper_nearer ? to_upper : to_lower;
-        const spacecraft_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const spacecraft_real held_share = beyond ? (-1.0F) : share;
-        margin[i] = held_share;
+        const bool x_nearer = to_upper < to_lower;
+        const spacecraft_real x_distance = x_nearer ? to_upper : to_lower;
+        const spacecraft_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const spacecraft_real margin_x = x_beyond ? (-1.0F) : x_share;
+        margin[i] = margin_x;
     }
 }
 
@@ -503,12 +452,12 @@ bool spacecraft_covered(const spacecraft_real x[SPACECRAFT_N])
     bool covered = true;
     for (int32_t i = 0; i < 3; ++i) {
         const spacecraft_real x_i = x[i];
-        const spacecraft_real start_lower_i = spacecraft_start_lower[i];
-        const spacecraft_real start_upper_i = spacecraft_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const spacecraft_real x_lower = spacecraft_start_lower[i];
+        const spacecraft_real x_upper = spacecraft_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;
@@ -522,46 +471,46 @@ void spacecraft_transform(const spacecraft_real lower[SPACECRAFT_N], const space
         const spacecraft_real lower_edge = lower[i];
         const spacecraft_real upper_edge = upper[i];
         const spacecraft_real x_i = x[i];
-        const spacecraft_real room = upper_edge - lower_edge;
-        const bool filled = 0.0F < room;
+        const spacecraft_real width = upper_edge - lower_edge;
+        const bool filled = 0.0F < width;
         const bool empty = !filled;
-        const bool wide = 9.536743e-7F < room;
-        const spacecraft_real width = wide ? room : 9.536743e-7F;
+        const bool wide = 9.536743e-7F < width;
+        const spacecraft_real safe_width = wide ? width : 9.536743e-7F;
         const spacecraft_real to_lower = x_i - lower_edge;
         const spacecraft_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const spacecraft_real nearest = upper_nearer ? to_upper : to_lower;
-        const spacecraft_real gain = upper_nearer ? (-1.0F) : 1.0F;
-        const spacecraft_real least = width * 0.005F;
-        const spacecraft_real widened = width - room;
-        const spacecraft_real spare = widened * 0.5F;
-        const spacecraft_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const spacecraft_real distance = upper_nearer ? to_upper : to_lower;
+        const spacecraft_real sign = upper_nearer ? (-1.0F) : 1.0F;
+        const spacecraft_real smallest = safe_width * 0.005F;
+        const spacecraft_real widened = safe_width - width;
+        const spacecraft_real half = widened * 0.5F;
+        const spacecraft_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const spacecraft_real near = clear ? distance : least;
-        const spacecraft_real far = width - near;
-        const spacecraft_real a = upper_nearer ? far : near;
-        const spacecraft_real b = upper_nearer ? near : far;
-        const spacecraft_real e_raw = spacecraft_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99F) < e_raw;
-        const spacecraft_real e_held_raised = e_held_above ? e_raw : (-0.99F);
-        const bool e_held_over = 0.99F < e_held_raised;
-        const spacecraft_real e_held = e_held_over ? 0.99F : e_held_raised;
-        spacecraft_real epsilon_near;
+        const spacecraft_real to_nearer = clear ? safe_distance : smallest;
+        const spacecraft_real to_farther = safe_width - to_nearer;
+        const spacecraft_real a = upper_nearer ? to_farther : to_nearer;
+        const spacecraft_real b = upper_nearer ? to_nearer : to_farther;
+        const spacecraft_real e_i = spacecraft_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99F) < e_i;
+        const spacecraft_real e_raised = e_above ? e_i : (-0.99F);
+        const bool e_beyond = 0.99F < e_raised;
+        const spacecraft_real e_limited = e_beyond ? 0.99F : e_raised;
+        spacecraft_real epsilon_nearer;
         spacecraft_real xi_i;
-        spacecraft_transformed_error(near, far, &epsilon_near, &xi_i);
-        const spacecraft_real epsilon_i = gain * epsilon_near;
+        spacecraft_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const spacecraft_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const spacecraft_real e_settled = empty ? 0.0F : e_held;
-        const spacecraft_real e_out = finite ? e_settled : (spacecraft_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const spacecraft_real e_or_zero = empty ? 0.0F : e_limited;
+        const spacecraft_real e_out = finite ? e_or_zero : (spacecraft_real)NAN;
         e[i] = e_out;
-        const spacecraft_real epsilon_settled = empty ? 0.0F : epsilon_i;
-        const spacecraft_real epsilon_out = finite ? epsilon_settled : (spacecraft_real)NAN;
+        const spacecraft_real epsilon_or_zero = empty ? 0.0F : epsilon_i;
+        const spacecraft_real epsilon_out = finite ? epsilon_or_zero : (spacecraft_real)NAN;
         epsilon[i] = epsilon_out;
-        const spacecraft_real xi_settled = empty ? 0.0F : xi_i;
-        const spacecraft_real xi_out = finite ? xi_settled : (spacecraft_real)NAN;
+        const spacecraft_real xi_or_zero = empty ? 0.0F : xi_i;
+        const spacecraft_real xi_out = finite ? xi_or_zero : (spacecraft_real)NAN;
         xi[i] = xi_out;
     }
 }

@@ -15,11 +15,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "trolley.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "trolley.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "trolley.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "trolley.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:
@@ -153,10 +164,19 @@ static inline void trolley_basis_rate(trolley_real s, trolley_real *dw0, trolley
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline trolley_real trolley_blend(trolley_real w0, trolley_real w1, trolley_real w2, trolley_real w3,
-                                         trolley_real q0, trolley_real q1, trolley_real q2, trolley_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline trolley_real trolley_edge_at(int32_t at, trolley_real w0, trolley_real w1, trolley_real w2,
+                                           trolley_real w3)
 {
+    const trolley_real q0 = trolley_coefficients[at];
+    const int32_t at_1 = at + 4;
+    const trolley_real q1 = trolley_coefficients[at_1];
+    const int32_t at_2 = at + 8;
+    const trolley_real q2 = trolley_coefficients[at_2];
+    const int32_t at_3 = at + 12;
+    const trolley_real q3 = trolley_coefficients[at_3];
     const trolley_real v0 = w0 * q0;
     const trolley_real v1 = w1 * q1;
     const trolley_real v2 = v0 + v1;
@@ -218,25 +238,11 @@ void trolley_tube(trolley_real t, trolley_real lower[TROLLEY_N], trolley_real up
     trolley_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const trolley_real lower_q0 = trolley_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const trolley_real lower_q1 = trolley_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const trolley_real lower_q2 = trolley_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const trolley_real lower_q3 = trolley_coefficients[lower_3];
-        const trolley_real lower_edge = trolley_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const trolley_real lower_edge = trolley_edge_at(lower_at, w0, w1, w2, w3);
+        const trolley_real upper_edge = trolley_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const trolley_real upper_q0 = trolley_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const trolley_real upper_q1 = trolley_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const trolley_real upper_q2 = trolley_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const trolley_real upper_q3 = trolley_coefficients[upper_3];
-        const trolley_real upper_edge = trolley_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -264,27 +270,13 @@ void trolley_tube_rate(trolley_real t, trolley_real lower_rate[TROLLEY_N], troll
     const trolley_real per_second = moving ? 4.0F : 0.0F;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const trolley_real lower_q0 = trolley_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const trolley_real lower_q1 = trolley_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const trolley_real lower_q2 = trolley_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const trolley_real lower_q3 = trolley_coefficients[lower_3];
-        const trolley_real lower_slope = trolley_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const trolley_real lower_slope = trolley_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const trolley_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const trolley_real upper_q0 = trolley_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const trolley_real upper_q1 = trolley_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const trolley_real upper_q2 = trolley_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const trolley_real upper_q3 = trolley_coefficients[upper_3];
-        const trolley_real upper_slope = trolley_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const trolley_real upper_slope = trolley_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const trolley_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -302,8 +294,8 @@ trolley_status trolley_control(trolley_real t, const trolley_real x[TROLLEY_N], 
     const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0F;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0F;
         }
         return TROLLEY_BAD_INPUT;
     }
@@ -318,51 +310,37 @@ trolley_status trolley_control(trolley_real t, const trolley_real x[TROLLEY_N], 
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const trolley_real lower_q0 = trolley_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const trolley_real lower_q1 = trolley_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const trolley_real lower_q2 = trolley_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const trolley_real lower_q3 = trolley_coefficients[lower_3];
-        const trolley_real lower_edge = trolley_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const trolley_real upper_q0 = trolley_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const trolley_real upper_q1 = trolley_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const trolley_real upper_q2 = trolley_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const trolley_real upper_q3 = trolley_coefficients[upper_3];
-        const trolley_real upper_edge = trolley_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const trolley_real lower_edge = trolley_edge_at(lower_at, w0, w1, w2, w3);
+        const trolley_real upper_edge = trolley_edge_at(upper_at, w0, w1, w2, w3);
         const trolley_real x_i = x[i];
         const trolley_real gain_i = trolley_gain[i];
         const trolley_real gain_minus = -gain_i;
-        const trolley_real room = upper_edge - lower_edge;
+        const trolley_real width = upper_edge - lower_edge;
         const trolley_real to_lower = x_i - lower_edge;
         const trolley_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const trolley_real nearest = upper_nearer ? to_upper : to_lower;
+        const trolley_real distance = upper_nearer ? to_upper : to_lower;
         const trolley_real gain = upper_nearer ? gain_minus : gain_i;
-        const trolley_real least = room * 0.005F;
-        const bool clear = least < nearest;
-        const trolley_real near = clear ? nearest : least;
-        const trolley_real far = room - near;
-        const bool within = 0.0F < nearest;
-        const bool outside_any = within ? outside : true;
+        const trolley_real smallest = width * 0.005F;
+        const bool clear = smallest < distance;
+        const trolley_real to_nearer = clear ? distance : smallest;
+        const trolley_real to_farther = width - to_nearer;
+        const bool inside = 0.0F < distance;
+        const bool outside_next = inside ? outside : true;
         const trolley_real u_limit = trolley_u_max[i];
         trolley_real epsilon;
         trolley_real xi;
-        trolley_transformed_error(near, far, &epsilon, &xi);
-        const trolley_real push = trolley_law(gain, xi, epsilon);
+        trolley_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const trolley_real u_i = trolley_law(gain, xi, epsilon);
         const trolley_real u_min = -u_limit;
-        const bool u_held_above = u_min < push;
-        const trolley_real u_held_raised = u_held_above ? push : u_min;
-        const bool u_held_over = u_limit < u_held_raised;
-        const trolley_real u_held = u_held_over ? u_limit : u_held_raised;
-        u[i] = u_held;
-        outside = outside_any;
+        const bool u_above = u_min < u_i;
+        const trolley_real u_raised = u_above ? u_i : u_min;
+        const bool u_beyond = u_limit < u_raised;
+        const trolley_real u_limited = u_beyond ? u_limit : u_raised;
+        u[i] = u_limited;
+        outside = outside_next;
     }
     return outside ? TROLLEY_OUTSIDE_TUBE : TROLLEY_OK;
 }
@@ -393,35 +371,21 @@ trolley_real trolley_margin(trolley_real t, const trolley_real x[TROLLEY_N])
     trolley_real margin = 0.5F;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const trolley_real lower_q0 = trolley_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const trolley_real lower_q1 = trolley_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const trolley_real lower_q2 = trolley_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const trolley_real lower_q3 = trolley_coefficients[lower_3];
-        const trolley_real lower_edge = trolley_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const trolley_real upper_q0 = trolley_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const trolley_real upper_q1 = trolley_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const trolley_real upper_q2 = trolley_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const trolley_real upper_q3 = trolley_coefficients[upper_3];
-        const trolley_real upper_edge = trolley_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const trolley_real lower_edge = trolley_edge_at(lower_at, w0, w1, w2, w3);
+        const trolley_real upper_edge = trolley_edge_at(upper_at, w0, w1, w2, w3);
         const trolley_real x_i = x[i];
-        const trolley_real room = upper_edge - lower_edge;
+        const trolley_real width = upper_edge - lower_edge;
         const trolley_real to_lower = x_i - lower_edge;
         const trolley_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const trolley_real nearest = upper_nearer ? to_upper : to_lower;
-        const trolley_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const trolley_real held_share = beyond ? (-1.0F) : share;
-        const bool less = held_share < margin;
-        const trolley_real margin_next = less ? held_share : margin;
+        const bool x_nearer = to_upper < to_lower;
+        const trolley_real x_distance = x_nearer ? to_upper : to_lower;
+        const trolley_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const trolley_real margin_x = x_beyond ? (-1.0F) : x_share;
+        const bool less = margin_x < margin;
+        const trolley_real margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -447,34 +411,20 @@ void trolley_margins(trolley_real t, const trolley_real x[TROLLEY_N], trolley_re
     trolley_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const trolley_real lower_q0 = trolley_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const trolley_real lower_q1 = trolley_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const trolley_real lower_q2 = trolley_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const trolley_real lower_q3 = trolley_coefficients[lower_3];
-        const trolley_real lower_edge = trolley_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const trolley_real upper_q0 = trolley_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const trolley_real upper_q1 = trolley_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const trolley_real upper_q2 = trolley_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const trolley_real upper_q3 = trolley_coefficients[upper_3];
-        const trolley_real upper_edge = trolley_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const trolley_real lower_edge = trolley_edge_at(lower_at, w0, w1, w2, w3);
+        const trolley_real upper_edge = trolley_edge_at(upper_at, w0, w1, w2, w3);
         const trolley_real x_i = x[i];
-        const trolley_real room = upper_edge - lower_edge;
+        const trolley_real width = upper_edge - lower_edge;
         const trolley_real to_lower = x_i - lower_edge;
         const trolley_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const trolley_real nearest = upper_nearer ? to_upper : to_lower;
-        const trolley_real share = nearest / room;
-        const bool beyond = share < (-1.0F);
-        const trolley_real held_share = beyond ? (-1.0F) : share;
-        margin[i] = held_share;
+        const bool x_nearer = to_upper < to_lower;
+        const trolley_real x_distance = x_nearer ? to_upper : to_lower;
+        const trolley_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0F);
+        const trolley_real margin_x = x_beyond ? (-1.0F) : x_share;
+        margin[i] = margin_x;
     }
 }
 
@@ -483,12 +433,12 @@ bool trolley_covered(const trolley_real x[TROLLEY_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const trolley_real x_i = x[i];
-        const trolley_real start_lower_i = trolley_start_lower[i];
-        const trolley_real start_upper_i = trolley_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const trolley_real x_lower = trolley_start_lower[i];
+        const trolley_real x_upper = trolley_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;
@@ -502,46 +452,46 @@ void trolley_transform(const trolley_real lower[TROLLEY_N], const trolley_real u
         const trolley_real lower_edge = lower[i];
         const trolley_real upper_edge = upper[i];
         const trolley_real x_i = x[i];
-        const trolley_real room = upper_edge - lower_edge;
-        const bool filled = 0.0F < room;
+        const trolley_real width = upper_edge - lower_edge;
+        const bool filled = 0.0F < width;
         const bool empty = !filled;
-        const bool wide = 9.536743e-7F < room;
-        const trolley_real width = wide ? room : 9.536743e-7F;
+        const bool wide = 9.536743e-7F < width;
+        const trolley_real safe_width = wide ? width : 9.536743e-7F;
         const trolley_real to_lower = x_i - lower_edge;
         const trolley_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const trolley_real nearest = upper_nearer ? to_upper : to_lower;
-        const trolley_real gain = upper_nearer ? (-1.0F) : 1.0F;
-        const trolley_real least = width * 0.005F;
-        const trolley_real widened = width - room;
-        const trolley_real spare = widened * 0.5F;
-        const trolley_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const trolley_real distance = upper_nearer ? to_upper : to_lower;
+        const trolley_real sign = upper_nearer ? (-1.0F) : 1.0F;
+        const trolley_real smallest = safe_width * 0.005F;
+        const trolley_real widened = safe_width - width;
+        const trolley_real half = widened * 0.5F;
+        const trolley_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const trolley_real near = clear ? distance : least;
-        const trolley_real far = width - near;
-        const trolley_real a = upper_nearer ? far : near;
-        const trolley_real b = upper_nearer ? near : far;
-        const trolley_real e_raw = trolley_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99F) < e_raw;
-        const trolley_real e_held_raised = e_held_above ? e_raw : (-0.99F);
-        const bool e_held_over = 0.99F < e_held_raised;
-        const trolley_real e_held = e_held_over ? 0.99F : e_held_raised;
-        trolley_real epsilon_near;
+        const trolley_real to_nearer = clear ? safe_distance : smallest;
+        const trolley_real to_farther = safe_width - to_nearer;
+        const trolley_real a = upper_nearer ? to_farther : to_nearer;
+        const trolley_real b = upper_nearer ? to_nearer : to_farther;
+        const trolley_real e_i = trolley_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99F) < e_i;
+        const trolley_real e_raised = e_above ? e_i : (-0.99F);
+        const bool e_beyond = 0.99F < e_raised;
+        const trolley_real e_limited = e_beyond ? 0.99F : e_raised;
+        trolley_real epsilon_nearer;
         trolley_real xi_i;
-        trolley_transformed_error(near, far, &epsilon_near, &xi_i);
-        const trolley_real epsilon_i = gain * epsilon_near;
+        trolley_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const trolley_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const trolley_real e_settled = empty ? 0.0F : e_held;
-        const trolley_real e_out = finite ? e_settled : (trolley_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const trolley_real e_or_zero = empty ? 0.0F : e_limited;
+        const trolley_real e_out = finite ? e_or_zero : (trolley_real)NAN;
         e[i] = e_out;
-        const trolley_real epsilon_settled = empty ? 0.0F : epsilon_i;
-        const trolley_real epsilon_out = finite ? epsilon_settled : (trolley_real)NAN;
+        const trolley_real epsilon_or_zero = empty ? 0.0F : epsilon_i;
+        const trolley_real epsilon_out = finite ? epsilon_or_zero : (trolley_real)NAN;
         epsilon[i] = epsilon_out;
-        const trolley_real xi_settled = empty ? 0.0F : xi_i;
-        const trolley_real xi_out = finite ? xi_settled : (trolley_real)NAN;
+        const trolley_real xi_or_zero = empty ? 0.0F : xi_i;
+        const trolley_real xi_out = finite ? xi_or_zero : (trolley_real)NAN;
         xi[i] = xi_out;
     }
 }

@@ -15,11 +15,22 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Flags that change results are refused, before the pragma: after it avr-gcc has no macros for them. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
-#error "watchman.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#error "watchman.c: compile without -ffast-math and -ffinite-math-only; it tests its inputs for NaN and infinity"
+#endif
+#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "watchman.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
 #error "watchman.c: compile for double arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+/* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#pragma clang fp reassociate(off)
+#elif defined(__GNUC__)
+#pragma GCC optimize ("fp-contract=off")
 #endif
 
 /* B-spline control points divided by 6, one row for each of 64 + 3 points:
@@ -198,11 +209,19 @@ static inline void watchman_basis_rate(watchman_real s, watchman_real *dw0, watc
     *dw3 = v18;
 }
 
-/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static inline watchman_real watchman_blend(watchman_real w0, watchman_real w1, watchman_real w2,
-                                           watchman_real w3, watchman_real q0, watchman_real q1,
-                                           watchman_real q2, watchman_real q3)
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j,
+ * of the control points that stand at `at` and one, two and three rows after it.
+ */
+static inline watchman_real watchman_edge_at(int32_t at, watchman_real w0, watchman_real w1, watchman_real w2,
+                                             watchman_real w3)
 {
+    const watchman_real q0 = watchman_coefficients[at];
+    const int32_t at_1 = at + 4;
+    const watchman_real q1 = watchman_coefficients[at_1];
+    const int32_t at_2 = at + 8;
+    const watchman_real q2 = watchman_coefficients[at_2];
+    const int32_t at_3 = at + 12;
+    const watchman_real q3 = watchman_coefficients[at_3];
     const watchman_real v0 = w0 * q0;
     const watchman_real v1 = w1 * q1;
     const watchman_real v2 = v0 + v1;
@@ -264,25 +283,11 @@ void watchman_tube(watchman_real t, watchman_real lower[WATCHMAN_N], watchman_re
     watchman_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const watchman_real lower_q0 = watchman_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const watchman_real lower_q1 = watchman_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const watchman_real lower_q2 = watchman_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const watchman_real lower_q3 = watchman_coefficients[lower_3];
-        const watchman_real lower_edge = watchman_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const watchman_real lower_edge = watchman_edge_at(lower_at, w0, w1, w2, w3);
+        const watchman_real upper_edge = watchman_edge_at(upper_at, w0, w1, w2, w3);
         lower[i] = lower_edge;
-        const int32_t upper_0 = at + 1;
-        const watchman_real upper_q0 = watchman_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const watchman_real upper_q1 = watchman_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const watchman_real upper_q2 = watchman_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const watchman_real upper_q3 = watchman_coefficients[upper_3];
-        const watchman_real upper_edge = watchman_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         upper[i] = upper_edge;
     }
 }
@@ -311,27 +316,13 @@ void watchman_tube_rate(watchman_real t, watchman_real lower_rate[WATCHMAN_N],
     const watchman_real per_second = moving ? 4.0 : 0.0;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const watchman_real lower_q0 = watchman_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const watchman_real lower_q1 = watchman_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const watchman_real lower_q2 = watchman_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const watchman_real lower_q3 = watchman_coefficients[lower_3];
-        const watchman_real lower_slope = watchman_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const watchman_real lower_slope = watchman_edge_at(lower_at, dw0, dw1, dw2, dw3);
         const watchman_real lower_speed = lower_slope * per_second;
-        lower_rate[i] = lower_speed;
-        const int32_t upper_0 = at + 1;
-        const watchman_real upper_q0 = watchman_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const watchman_real upper_q1 = watchman_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const watchman_real upper_q2 = watchman_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const watchman_real upper_q3 = watchman_coefficients[upper_3];
-        const watchman_real upper_slope = watchman_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const watchman_real upper_slope = watchman_edge_at(upper_at, dw0, dw1, dw2, dw3);
         const watchman_real upper_speed = upper_slope * per_second;
+        lower_rate[i] = lower_speed;
         upper_rate[i] = upper_speed;
     }
 }
@@ -350,8 +341,8 @@ watchman_status watchman_control(watchman_real t, const watchman_real x[WATCHMAN
     const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0;
         }
         return WATCHMAN_BAD_INPUT;
     }
@@ -366,43 +357,29 @@ watchman_status watchman_control(watchman_real t, const watchman_real x[WATCHMAN
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const watchman_real lower_q0 = watchman_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const watchman_real lower_q1 = watchman_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const watchman_real lower_q2 = watchman_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const watchman_real lower_q3 = watchman_coefficients[lower_3];
-        const watchman_real lower_edge = watchman_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const watchman_real upper_q0 = watchman_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const watchman_real upper_q1 = watchman_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const watchman_real upper_q2 = watchman_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const watchman_real upper_q3 = watchman_coefficients[upper_3];
-        const watchman_real upper_edge = watchman_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const watchman_real lower_edge = watchman_edge_at(lower_at, w0, w1, w2, w3);
+        const watchman_real upper_edge = watchman_edge_at(upper_at, w0, w1, w2, w3);
         const watchman_real x_i = x[i];
-        const watchman_real room = upper_edge - lower_edge;
+        const watchman_real width = upper_edge - lower_edge;
         const watchman_real to_lower = x_i - lower_edge;
         const watchman_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const watchman_real nearest = upper_nearer ? to_upper : to_lower;
+        const watchman_real distance = upper_nearer ? to_upper : to_lower;
         const watchman_real gain = upper_nearer ? (-0.5) : 0.5;
-        const watchman_real least = room * 0.005;
-        const bool clear = least < nearest;
-        const watchman_real near = clear ? nearest : least;
-        const watchman_real far = room - near;
-        const bool within = 0.0 < nearest;
-        const bool outside_any = within ? outside : true;
+        const watchman_real smallest = width * 0.005;
+        const bool clear = smallest < distance;
+        const watchman_real to_nearer = clear ? distance : smallest;
+        const watchman_real to_farther = width - to_nearer;
+        const bool inside = 0.0 < distance;
+        const bool outside_next = inside ? outside : true;
         watchman_real epsilon;
         watchman_real xi;
-        watchman_transformed_error(near, far, &epsilon, &xi);
-        const watchman_real push = watchman_law(gain, xi, epsilon);
-        u[i] = push;
-        outside = outside_any;
+        watchman_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const watchman_real u_i = watchman_law(gain, xi, epsilon);
+        u[i] = u_i;
+        outside = outside_next;
     }
     return outside ? WATCHMAN_OUTSIDE_TUBE : WATCHMAN_OK;
 }
@@ -420,8 +397,8 @@ watchman_status watchman_control_tick(uint32_t tick, const watchman_real x[WATCH
     const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
-        for (int32_t j2 = 0; j2 < 2; ++j2) {
-            u[j2] = 0.0;
+        for (int32_t m = 0; m < 2; ++m) {
+            u[m] = 0.0;
         }
         return WATCHMAN_BAD_INPUT;
     }
@@ -436,43 +413,29 @@ watchman_status watchman_control_tick(uint32_t tick, const watchman_real x[WATCH
     bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const watchman_real lower_q0 = watchman_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const watchman_real lower_q1 = watchman_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const watchman_real lower_q2 = watchman_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const watchman_real lower_q3 = watchman_coefficients[lower_3];
-        const watchman_real lower_edge = watchman_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const watchman_real upper_q0 = watchman_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const watchman_real upper_q1 = watchman_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const watchman_real upper_q2 = watchman_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const watchman_real upper_q3 = watchman_coefficients[upper_3];
-        const watchman_real upper_edge = watchman_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const watchman_real lower_edge = watchman_edge_at(lower_at, w0, w1, w2, w3);
+        const watchman_real upper_edge = watchman_edge_at(upper_at, w0, w1, w2, w3);
         const watchman_real x_i = x[i];
-        const watchman_real room = upper_edge - lower_edge;
+        const watchman_real width = upper_edge - lower_edge;
         const watchman_real to_lower = x_i - lower_edge;
         const watchman_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const watchman_real nearest = upper_nearer ? to_upper : to_lower;
+        const watchman_real distance = upper_nearer ? to_upper : to_lower;
         const watchman_real gain = upper_nearer ? (-0.5) : 0.5;
-        const watchman_real least = room * 0.005;
-        const bool clear = least < nearest;
-        const watchman_real near = clear ? nearest : least;
-        const watchman_real far = room - near;
-        const bool within = 0.0 < nearest;
-        const bool outside_any = within ? outside : true;
+        const watchman_real smallest = width * 0.005;
+        const bool clear = smallest < distance;
+        const watchman_real to_nearer = clear ? distance : smallest;
+        const watchman_real to_farther = width - to_nearer;
+        const bool inside = 0.0 < distance;
+        const bool outside_next = inside ? outside : true;
         watchman_real epsilon;
         watchman_real xi;
-        watchman_transformed_error(near, far, &epsilon, &xi);
-        const watchman_real push = watchman_law(gain, xi, epsilon);
-        u[i] = push;
-        outside = outside_any;
+        watchman_transformed_error(to_nearer, to_farther, &epsilon, &xi);
+        const watchman_real u_i = watchman_law(gain, xi, epsilon);
+        u[i] = u_i;
+        outside = outside_next;
     }
     return outside ? WATCHMAN_OUTSIDE_TUBE : WATCHMAN_OK;
 }
@@ -503,35 +466,21 @@ watchman_real watchman_margin(watchman_real t, const watchman_real x[WATCHMAN_N]
     watchman_real margin = 0.5;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const watchman_real lower_q0 = watchman_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const watchman_real lower_q1 = watchman_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const watchman_real lower_q2 = watchman_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const watchman_real lower_q3 = watchman_coefficients[lower_3];
-        const watchman_real lower_edge = watchman_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const watchman_real upper_q0 = watchman_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const watchman_real upper_q1 = watchman_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const watchman_real upper_q2 = watchman_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const watchman_real upper_q3 = watchman_coefficients[upper_3];
-        const watchman_real upper_edge = watchman_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const watchman_real lower_edge = watchman_edge_at(lower_at, w0, w1, w2, w3);
+        const watchman_real upper_edge = watchman_edge_at(upper_at, w0, w1, w2, w3);
         const watchman_real x_i = x[i];
-        const watchman_real room = upper_edge - lower_edge;
+        const watchman_real width = upper_edge - lower_edge;
         const watchman_real to_lower = x_i - lower_edge;
         const watchman_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const watchman_real nearest = upper_nearer ? to_upper : to_lower;
-        const watchman_real share = nearest / room;
-        const bool beyond = share < (-1.0);
-        const watchman_real held_share = beyond ? (-1.0) : share;
-        const bool less = held_share < margin;
-        const watchman_real margin_next = less ? held_share : margin;
+        const bool x_nearer = to_upper < to_lower;
+        const watchman_real x_distance = x_nearer ? to_upper : to_lower;
+        const watchman_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const watchman_real margin_x = x_beyond ? (-1.0) : x_share;
+        const bool less = margin_x < margin;
+        const watchman_real margin_next = less ? margin_x : margin;
         margin = margin_next;
     }
     return margin;
@@ -557,34 +506,20 @@ void watchman_margins(watchman_real t, const watchman_real x[WATCHMAN_N], watchm
     watchman_basis(s, &w0, &w1, &w2, &w3);
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
-        const int32_t at = row + pair;
-        const watchman_real lower_q0 = watchman_coefficients[at];
-        const int32_t lower_1 = at + 4;
-        const watchman_real lower_q1 = watchman_coefficients[lower_1];
-        const int32_t lower_2 = at + 8;
-        const watchman_real lower_q2 = watchman_coefficients[lower_2];
-        const int32_t lower_3 = at + 12;
-        const watchman_real lower_q3 = watchman_coefficients[lower_3];
-        const watchman_real lower_edge = watchman_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
-        const int32_t upper_0 = at + 1;
-        const watchman_real upper_q0 = watchman_coefficients[upper_0];
-        const int32_t upper_1 = at + 5;
-        const watchman_real upper_q1 = watchman_coefficients[upper_1];
-        const int32_t upper_2 = at + 9;
-        const watchman_real upper_q2 = watchman_coefficients[upper_2];
-        const int32_t upper_3 = at + 13;
-        const watchman_real upper_q3 = watchman_coefficients[upper_3];
-        const watchman_real upper_edge = watchman_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const int32_t lower_at = row + pair;
+        const int32_t upper_at = lower_at + 1;
+        const watchman_real lower_edge = watchman_edge_at(lower_at, w0, w1, w2, w3);
+        const watchman_real upper_edge = watchman_edge_at(upper_at, w0, w1, w2, w3);
         const watchman_real x_i = x[i];
-        const watchman_real room = upper_edge - lower_edge;
+        const watchman_real width = upper_edge - lower_edge;
         const watchman_real to_lower = x_i - lower_edge;
         const watchman_real to_upper = upper_edge - x_i;
-        const bool upper_nearer = to_upper < to_lower;
-        const watchman_real nearest = upper_nearer ? to_upper : to_lower;
-        const watchman_real share = nearest / room;
-        const bool beyond = share < (-1.0);
-        const watchman_real held_share = beyond ? (-1.0) : share;
-        margin[i] = held_share;
+        const bool x_nearer = to_upper < to_lower;
+        const watchman_real x_distance = x_nearer ? to_upper : to_lower;
+        const watchman_real x_share = x_distance / width;
+        const bool x_beyond = x_share < (-1.0);
+        const watchman_real margin_x = x_beyond ? (-1.0) : x_share;
+        margin[i] = margin_x;
     }
 }
 
@@ -593,12 +528,12 @@ bool watchman_covered(const watchman_real x[WATCHMAN_N])
     bool covered = true;
     for (int32_t i = 0; i < 2; ++i) {
         const watchman_real x_i = x[i];
-        const watchman_real start_lower_i = watchman_start_lower[i];
-        const watchman_real start_upper_i = watchman_start_upper[i];
-        const bool x_i_after = start_lower_i < x_i;
-        const bool x_i_before = x_i < start_upper_i;
-        const bool x_i_between = x_i_after && x_i_before;
-        const bool covered_next = x_i_between ? covered : false;
+        const watchman_real x_lower = watchman_start_lower[i];
+        const watchman_real x_upper = watchman_start_upper[i];
+        const bool x_above = x_lower < x_i;
+        const bool x_below = x_i < x_upper;
+        const bool x_inside = x_above && x_below;
+        const bool covered_next = x_inside ? covered : false;
         covered = covered_next;
     }
     return covered;
@@ -612,46 +547,46 @@ void watchman_transform(const watchman_real lower[WATCHMAN_N], const watchman_re
         const watchman_real lower_edge = lower[i];
         const watchman_real upper_edge = upper[i];
         const watchman_real x_i = x[i];
-        const watchman_real room = upper_edge - lower_edge;
-        const bool filled = 0.0 < room;
+        const watchman_real width = upper_edge - lower_edge;
+        const bool filled = 0.0 < width;
         const bool empty = !filled;
-        const bool wide = 9.5367431640625e-7 < room;
-        const watchman_real width = wide ? room : 9.5367431640625e-7;
+        const bool wide = 9.5367431640625e-7 < width;
+        const watchman_real safe_width = wide ? width : 9.5367431640625e-7;
         const watchman_real to_lower = x_i - lower_edge;
         const watchman_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
-        const watchman_real nearest = upper_nearer ? to_upper : to_lower;
-        const watchman_real gain = upper_nearer ? (-1.0) : 1.0;
-        const watchman_real least = width * 0.005;
-        const watchman_real widened = width - room;
-        const watchman_real spare = widened * 0.5;
-        const watchman_real distance = nearest + spare;
-        const bool farther = least < distance;
+        const watchman_real distance = upper_nearer ? to_upper : to_lower;
+        const watchman_real sign = upper_nearer ? (-1.0) : 1.0;
+        const watchman_real smallest = safe_width * 0.005;
+        const watchman_real widened = safe_width - width;
+        const watchman_real half = widened * 0.5;
+        const watchman_real safe_distance = distance + half;
+        const bool farther = smallest < safe_distance;
         const bool clear = filled && farther;
-        const watchman_real near = clear ? distance : least;
-        const watchman_real far = width - near;
-        const watchman_real a = upper_nearer ? far : near;
-        const watchman_real b = upper_nearer ? near : far;
-        const watchman_real e_raw = watchman_normalized_error(a, b, width);
-        const bool e_held_above = (-0.99) < e_raw;
-        const watchman_real e_held_raised = e_held_above ? e_raw : (-0.99);
-        const bool e_held_over = 0.99 < e_held_raised;
-        const watchman_real e_held = e_held_over ? 0.99 : e_held_raised;
-        watchman_real epsilon_near;
+        const watchman_real to_nearer = clear ? safe_distance : smallest;
+        const watchman_real to_farther = safe_width - to_nearer;
+        const watchman_real a = upper_nearer ? to_farther : to_nearer;
+        const watchman_real b = upper_nearer ? to_nearer : to_farther;
+        const watchman_real e_i = watchman_normalized_error(a, b, safe_width);
+        const bool e_above = (-0.99) < e_i;
+        const watchman_real e_raised = e_above ? e_i : (-0.99);
+        const bool e_beyond = 0.99 < e_raised;
+        const watchman_real e_limited = e_beyond ? 0.99 : e_raised;
+        watchman_real epsilon_nearer;
         watchman_real xi_i;
-        watchman_transformed_error(near, far, &epsilon_near, &xi_i);
-        const watchman_real epsilon_i = gain * epsilon_near;
+        watchman_transformed_error(to_nearer, to_farther, &epsilon_nearer, &xi_i);
+        const watchman_real epsilon_i = sign * epsilon_nearer;
         const bool finite_x = isfinite(x_i) != 0;
-        const bool finite_room = isfinite(room) != 0;
-        const bool finite = finite_x && finite_room;
-        const watchman_real e_settled = empty ? 0.0 : e_held;
-        const watchman_real e_out = finite ? e_settled : (watchman_real)NAN;
+        const bool finite_width = isfinite(width) != 0;
+        const bool finite = finite_x && finite_width;
+        const watchman_real e_or_zero = empty ? 0.0 : e_limited;
+        const watchman_real e_out = finite ? e_or_zero : (watchman_real)NAN;
         e[i] = e_out;
-        const watchman_real epsilon_settled = empty ? 0.0 : epsilon_i;
-        const watchman_real epsilon_out = finite ? epsilon_settled : (watchman_real)NAN;
+        const watchman_real epsilon_or_zero = empty ? 0.0 : epsilon_i;
+        const watchman_real epsilon_out = finite ? epsilon_or_zero : (watchman_real)NAN;
         epsilon[i] = epsilon_out;
-        const watchman_real xi_settled = empty ? 0.0 : xi_i;
-        const watchman_real xi_out = finite ? xi_settled : (watchman_real)NAN;
+        const watchman_real xi_or_zero = empty ? 0.0 : xi_i;
+        const watchman_real xi_out = finite ? xi_or_zero : (watchman_real)NAN;
         xi[i] = xi_out;
     }
 }

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 from stt_codegen.program.targets.c.helpers import fixed_lines, split_lines
+from stt_codegen.program.targets.c.macros import COMMON_MACROS
 from stt_codegen.program.targets.c.printer import CPrinter
 from stt_codegen.program.targets.target import Emitted, TargetLanguage
 
@@ -50,7 +51,7 @@ TARGET = TargetLanguage(
     words=C_WORDS | CPP_WORDS,
     words_are="a reserved word of C or C++",
     library=HEADERS,
-    globals=MATH_WORDS,
+    globals=MATH_WORDS | COMMON_MACROS,
     integers=True,
     runner=_runner,
 )

@@ -120,14 +120,14 @@ class CPrinter(Printer):
     def op_mantissa(self, a: str) -> str:
         return f"{self.prefix}_mantissa({a})"
 
-    def op_upper(self, a: str, b: str) -> str:
-        return f"{self.prefix}_upper({a}, {b})"
+    def op_high_product(self, a: str, b: str) -> str:
+        return f"{self.prefix}_high_product({a}, {b})"
 
     def op_ishr(self, a: str, b: str) -> str:
-        return f"{self.prefix}_down({a}, {b})"
+        return f"{self.prefix}_shift_down({a}, {b})"
 
     def op_ishl(self, a: str, b: str) -> str:
-        return f"{self.prefix}_up({a}, {b})"
+        return f"{self.prefix}_shift_up({a}, {b})"
 
     def op_product(self, a: str, b: str) -> str:
         return f"{self.prefix}_product({a}, {b})"
@@ -135,8 +135,8 @@ class CPrinter(Printer):
     def op_ineg(self, a: str) -> str:
         return f"-{a}"
 
-    def op_low(self, a: str, mask: str) -> str:
-        return f"{self.prefix}_low({a}, {mask})"
+    def op_low_bits(self, a: str, mask: str) -> str:
+        return f"{self.prefix}_low_bits({a}, {mask})"
 
     def op_short(self, a: str) -> str:
         return f"(int32_t)(int16_t){a}"

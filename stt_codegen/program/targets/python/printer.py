@@ -100,13 +100,13 @@ class PythonPrinter(Printer):
     def op_int(self, a: str) -> str:
         return a
 
-    def op_upper(self, a: str, b: str) -> str:
+    def op_high_product(self, a: str, b: str) -> str:
         return f"{a} * {b} >> 16"
 
     def op_ineg(self, a: str) -> str:
         return f"-{a}"
 
-    def op_low(self, a: str, mask: str) -> str:
+    def op_low_bits(self, a: str, mask: str) -> str:
         return f"{a} & {mask}"
 
     def op_short(self, a: str) -> str:

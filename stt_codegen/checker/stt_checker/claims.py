@@ -1,0 +1,229 @@
+"""The certificate against the task, the C and the header: its hashes, its numbers and its claims."""
+
+import hashlib
+import json
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from . import controller, inertia, limits, period, source
+from . import tube as tubes
+from .exact import Numbers, fractions, integers, require, rounded, units_above
+from .law import Law
+from .rounding import arithmetic_error
+from .starts import covered_starts
+from .task import Task
+
+BITS = {"float": 24, "double": 53, "fixed": 20}
+LAW_ERROR = {  # by scalar and whether the logarithm is inline, see docs/certificate-format.md
+    ("float", False): Fraction(1, 1 << 19), ("double", False): Fraction(1, 1 << 46), ("fixed", False): Fraction(1, 1 << 10),
+    ("float", True): Fraction(1, 1 << 14), ("double", True): Fraction(1, 1 << 14),
+}  # fmt: skip
+KEYS = "format task certified design method order scalar sha256 grid edge_error speed start covers_initial_set control claims"
+OTHER_LANGUAGES = (".rs",)  # files of which nothing is known but their hash
+
+
+def same(value: Any, wanted: Any) -> bool:
+    """Return whether two values of JSON are equal and have equal types: True is not 1."""
+    return json.dumps(value, sort_keys=True) == json.dumps(wanted, sort_keys=True)
+
+
+def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) -> str:
+    """Return what is proved, in words; raise `Refused` where something is not as the certificate claims. text: the C; folder:
+    that of the header and the files beside it."""
+    scalar = _check_keys(task, certificate)
+    bits = BITS[scalar]
+    if task.turns:
+        task.turns.add_noise(bits)
+    unit, cuts, seam = _check_grid(certificate["grid"], task)
+    if scalar == "fixed":
+        from .integers import Integers
+
+        target: Any = Integers(text, task, certificate["integers"])
+        entries = [v * unit for v in target.tables["coefficients"]]
+    else:
+        target, entries = None, source.real_table(text, f"{task.name}_coefficients", bits)
+    tube = tubes.Tube(entries, task.n, unit, task.t_c, seam)
+    segments = certificate["grid"]["segments"]
+    require(segments == tube.segments and task.segments in (None, segments), "the C has another number of segments")
+
+    # the law's constants, how far the arithmetic moves edges and rates (P7), and the start
+    law = _read_law(task, tube, certificate, target)
+    _check_start(task, tube, certificate)
+
+    # P1 to P6, P8 and P10, in the order of the claims
+    claims, edge_error = [dict(claim) for claim in certificate["claims"]], max(law.edge_claims)
+    tubes.prove(task, tube, claims, cuts, edge_error)
+    if task.order == 2:
+        inertia.prove(task, tube, claims, cuts, law)
+    elif task.proves_limits:
+        limits.prove(task, tube, claims, cuts, bits)
+    if "mission" in task.document:
+        from .mission import Mission
+
+        clock_error = target.clock_error / segments if target else Fraction(4, 1 << bits)
+        Mission(task).prove(tube, edge_error, (claims, cuts), certificate["mission"], clock_error)
+    else:
+        require(not claims, "the certificate claims more than is known here")
+
+    # P9, and the files
+    if task.period is not None:
+        _check_sampling(task, tube, certificate["sampled"], law)
+    _check_files(task, certificate["sha256"], text, folder)
+    _check_listings(task, tube, law, certificate, (text, folder), target=target)
+    properties = {"P1 to " + ("P8" if task.proves_limits else "P7"): True, "P9": task.period, "P10": "mission" in task.document}
+    proved = " and ".join(name for name, is_proved in properties.items() if is_proved)
+    return f"{proved} hold, and the C is the listing of this tube and this law; {segments} segments, {task.n} dimensions"
+
+
+def _check_keys(task: Task, certificate: dict[str, Any]) -> str:
+    """Require the keys that are known, and what they repeat of the task. Return the scalar."""
+    stated = {"sampled": task.period is not None, "mission": "mission" in task.document, "clock": task.clock is not None}
+    stated |= {"filter": task.order == 2, "rate_error": task.order == 2, "integers": certificate.get("scalar") == "fixed"}
+    keys = {*KEYS.split(), *(key for key, is_stated in stated.items() if is_stated)}
+    if certificate.get("format") == 2:
+        require(False, "the certificate has format 2; make it again with a newer stt-codegen")
+    require(
+        {*certificate} == keys, f"the certificate lacks a key or has an unknown one: {', '.join(sorted({*certificate} ^ keys))}"
+    )
+    wanted: dict[str, Any] = {"format": 3, "task": task.name, "certified": True, "method": "exact", "order": task.order}
+    for key, value in (wanted | ({"clock": task.clock} if task.clock else {})).items():
+        require(same(certificate[key], value), f"the certificate's {key} is {certificate[key]!r:.80}, the task's {value!r:.80}")
+    scalar = certificate["scalar"]
+    require(scalar in BITS and not (scalar == "fixed" and task.turns), "the scalar is unknown here")
+    return str(scalar)
+
+
+def _check_grid(grid: Any, task: Task) -> tuple[Fraction, int, int | None]:
+    """Return the unit of the table, the parts of a segment, and the seam of a tube that repeats."""
+    require(
+        {*grid} == {"segments", "cuts", "unit_bits", *(["seam"] if task.repeats else [])}, "the certificate's grid is unknown"
+    )
+    has_integers = all(type(v) is int for v in grid.values()) and abs(grid["unit_bits"]) < 200
+    require(has_integers, "the certificate's grid is not of whole numbers")
+    cuts = grid["cuts"]
+    require(cuts > 0 and cuts & (cuts - 1) == 0, "cuts is no power of two")
+    return Fraction(2) ** -grid["unit_bits"], cuts, grid.get("seam")
+
+
+def _read_law(task: Task, tube: tubes.Tube, certificate: dict[str, Any], target: Any) -> Law:
+    """Return the law of the certificate, with P7 computed here. target: the controller in integers, where it is one."""
+    scalar, bits = certificate["scalar"], BITS[certificate["scalar"]]
+    gain, filters = _check_constants(task, certificate, bits, scalar)
+    if target:
+        target.check_clock(tube)
+    error_of = target.arithmetic_error if target else arithmetic_error
+    edge_error, rate_error = error_of(tube, bits), error_of(tube, bits, 1) if task.order == 2 else []
+    edge_claims = integers(certificate["edge_error"], task.n)
+    rate_claims = integers(certificate["rate_error"], task.n) if task.order == 2 else []
+    for name, error, stated, unit in (
+        ("edge_error", edge_error, edge_claims, tube.unit),
+        ("rate_error", rate_error, rate_claims, tube.unit * tube.segments / task.t_c),
+    ):
+        is_enough = all(units_above(v, unit) <= c for v, c in zip(error, stated, strict=True))
+        require(is_enough, f"P7 does not hold: the arithmetic moves an edge or a rate by more than {name} says")
+    rounding = LAW_ERROR[scalar, task.inline]
+    return Law(scalar, bits, gain, filters, rounding, edge_error, rate_error, edge_claims, rate_claims)
+
+
+def _check_constants(task: Task, certificate: Any, bits: int, scalar: str) -> tuple[Numbers, Numbers]:
+    """Return gains and filters (lambda, for order 2) of the certificate: the task's, or chosen where the task leaves them
+    open."""
+    control = certificate["control"]
+    require({*control} == {"gain", "e_max", "u_max"}, "the certificate's control is unknown")
+    gain = fractions(control["gain"], task.n)
+    require(task.gain in (None, gain), "the certificate's gain is not the task's")
+    is_signed = min(gain) > 0 or (task.gain is not None and max(gain) < 0)  # a gain that was chosen is positive
+    require(is_signed, "the certificate's gains are not of one sign, or not positive")
+    require(fractions(control["e_max"], task.n) == task.e_max, "the certificate's e_max is not the task's")
+    stated = [] if control["u_max"] is None else fractions(control["u_max"], task.n)
+    require(stated == limits.emitted_limits(task, bits), "the certificate's u_max is not the task's, as the C has it")
+    if task.order == 1:
+        return gain, []
+    filters = fractions(certificate["filter"], task.n)
+
+    def emitted(s: Fraction) -> Fraction:
+        return Fraction(round(s * (1 << 14)), 1 << 14) if scalar == "fixed" else rounded(s, bits)
+
+    is_number = min(filters) > 0 and (scalar == "fixed" or all(emitted(s) == s for s in filters))
+    is_stated = task.filter is None or [emitted(s) for s in task.filter] == filters
+    require(is_number and is_stated, "the certificate's filter is not the task's, or no number of the C")
+    return gain, filters
+
+
+def _check_start(task: Task, tube: tubes.Tube, certificate: Any) -> None:
+    """Require what the certificate says about the tube's speed and its start."""
+    require(integers(certificate["speed"], task.n) == [tube.fastest(i) for i in range(task.n)], "its speed is not the tube's")
+    require(same(certificate["start"], [list(v) for v in tube.start]), "the certificate's start is not the tube's")
+    lack = [
+        max(s[0] * tube.unit - a, b - s[1] * tube.unit) * 1000 - (b - a) for s, a, b in zip(tube.start, *task.start, strict=True)
+    ]
+    require(certificate["covers_initial_set"] is (max(lack) <= 0), "the certificate's covers_initial_set is wrong")
+
+
+def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
+    """Require the claim about samples, and prove P9."""
+    wanted: dict[str, Any] = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
+    wanted |= {"plant": task.stated} | ({"period_min": str(task.shortest)} if task.differs else {})
+    require({*claim} == {"rho", "u", "shift", *wanted}, "the certificate's `sampled` is unknown")
+    for key, value in wanted.items():
+        require(same(claim[key], value), f"the certificate's sampled {key} is not the task's")
+    rho, u, shift = (fractions(claim[key], task.n) for key in ("rho", "u", "shift"))
+    smallest = period.shifts(task, tube, law)
+    require(
+        all(a <= b for a, b in zip(smallest, shift, strict=True)),
+        "P9 does not hold: the law sees a larger error than `shift` says",
+    )
+    largest = period.prove(task, tube, law, rho, shift)
+    require(all(a <= b for a, b in zip(largest, u, strict=True)), "P9 does not hold: |u| may be more than is claimed")
+    if task.turns:
+        task.turns.prove_steps(tube, u, law.filters)
+
+
+def _files_of(task: Task, hashes: dict[str, str]) -> tuple[dict[str, str], set[str]]:
+    """Return the C files by the name of their listing, and the C files of which nothing is known but their hash."""
+    name, has_phase = task.name, "mission" in task.document and f"{task.name}_phase.c" in hashes
+    small = {"guard": task.outside != "return", "wrap": task.repeats, "unwrap": bool(task.turns)}
+    files = {"controller": f"{name}.c", "header": f"{name}.h"} | {
+        k: f"{name}_{k}.c" for k, is_present in small.items() if is_present
+    }
+    return files, {f"{name}_{k}.c" for k, v in {"selftest": task.selftest, "phase": has_phase}.items() if v}
+
+
+def _check_files(task: Task, hashes: dict[str, str], text: bytes, folder: Path) -> None:
+    """Require that every file has the certificate's hash; of those that are not there nothing is said."""
+    listed, beside = _files_of(task, hashes)
+    languages = {f for f in hashes if f.removeprefix(task.name) in OTHER_LANGUAGES}
+    known = {"task_data", f"{task.name}.py", *listed.values(), *beside}
+    require({*hashes} - languages == known, "the certificate has other hashes than it should")
+    require(hashes["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
+    for file in {*hashes} - {"task_data"}:
+        data = text if file == f"{task.name}.c" else (folder / file).read_bytes() if (folder / file).exists() else None
+        is_same = data is None or hashes[file] == hashlib.sha256(data).hexdigest()
+        require(is_same, f"{file} is not that of the certificate (SHA-256)")
+
+
+def _check_listings(task: Task, tube: Any, law: Law, certificate: Any, c: tuple[bytes, Path], *, target: Any) -> None:
+    """Require that the C, the header and the small files are the listings, filled with the numbers of task and certificate. c:
+    the text of the C, and the folder of the files beside it."""
+    files, beside = _files_of(task, certificate["sha256"])
+    has_phase, unit_bits, (text, folder) = f"{task.name}_phase.c" in beside, certificate["grid"]["unit_bits"], c
+    starts = covered_starts(task, tube, law)
+    if target:
+        options, values = target.prove(tube, law, unit_bits, has_phase, starts)
+    else:
+        options, values = controller.options_of(task, law, has_phase), controller.values_of(task, tube, law, starts)
+    values["hash"] = design_hash(task, tube, law, unit_bits)
+    for listing, file in files.items():
+        data = text if listing == "controller" else (folder / file).read_bytes()
+        wanted = source.fill(f"integer {listing}" if target else listing, options, task.name, values)
+        source.compare(file, data, wanted, law.scalar == "float", 53 if target else law.bits)
+
+
+def design_hash(task: Task, tube: Any, law: Law, unit_bits: int) -> str:
+    """Return the 16 hexadecimal digits that name the design in the header."""
+    design: dict[str, Any] = {"prescribed_time": str(task.t_c), "segments": tube.segments, "bits": unit_bits, "table": tube.table}
+    design |= {"filter": [str(v) for v in law.filters]} if law.filters else {}
+    design |= {} if tube.seam is None else {"seam": tube.seam}
+    data = {"task": task.digest, "scalar": law.scalar, "design": design}
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]

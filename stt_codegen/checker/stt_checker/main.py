@@ -1,0 +1,59 @@
+"""Checks a certified controller without the tool that made it. Python 3.11, standard library only.
+
+    python3 checker.pyz TASK.toml CONTROLLER.c CERTIFICATE.json        (the header beside the C)
+    python3 checker.pyz --meaning        (computes again what the listings mean and how they round)
+
+Exit code 0: verified, all holds. 1: refused, and why. 2: a file cannot be used. docs/certificate-format.md says what this means.
+"""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any, NoReturn
+
+from .claims import check
+from .exact import Refused, Unusable
+from .task import Task
+
+
+def refuse_decimal(text: str) -> NoReturn:
+    raise Refused(f"the certificate has the decimal {text}; its numbers are whole, or fractions")
+
+
+def refuse_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len(dict(pairs)) < len(pairs):
+        raise Refused("the certificate has a key twice")
+    return dict(pairs)
+
+
+def plain(problem: object) -> str:
+    """Return a message as one line of printable characters, whatever texts of a file it has."""
+    return str(problem).encode("unicode_escape").decode()
+
+
+def main(arguments: list[str]) -> int:
+    """Run the check and print one line."""
+    if arguments == ["--meaning"]:
+        from . import meaning
+
+        return meaning.main()
+    if len(arguments) != 3:
+        print((__doc__ or "").strip(), file=sys.stderr)
+        return 2
+    try:
+        data, text, proof = (Path(a).read_bytes() for a in arguments)
+        task, certificate = Task(data), json.loads(proof)
+        if not isinstance(certificate, dict) or certificate.get("design") != "refined":
+            raise Unusable("the certificate is not of a refined tube; only those can be checked here")
+        certificate = json.loads(proof, parse_float=refuse_decimal, object_pairs_hook=refuse_duplicates)
+        proved = check(task, certificate, text, Path(arguments[1]).parent)
+    except Refused as problem:
+        print(f"checker: refused: {plain(problem)}")
+        return 1
+    except Exception as problem:  # whatever a file does to the checker, the answer is not "verified"
+        reason = f"give task, C file, certificate ({type(problem).__name__}: {plain(problem)})"
+        reason = f"{plain(problem.filename)} cannot be read ({problem.strerror})" if isinstance(problem, OSError) else reason
+        print(f"checker: cannot check: {plain(problem) if isinstance(problem, Unusable) else reason}", file=sys.stderr)
+        return 2
+    print(f"checker: verified: {task.name}: {proved}")
+    return 0
