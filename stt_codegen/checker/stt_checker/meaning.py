@@ -24,6 +24,7 @@ from .translation import EPS, Inexact, functions
 POSITIONS = tuple(
     Fraction(v) for v in ("0", "1/10000", "1/3", "1/2", "2/3", "9999/10000", "1", "-1", "3")
 )  # the edges at 0 and 1
+INSIDE = (Fraction(1, 3), Fraction(2, 3), Fraction(3, 5))  # positions of three components
 COMBINATIONS = (  # every line of the listings in floating point is in one of them, but for the inline logarithm
     "order 1, one gain, one clamp, no limits, libm, ticks", "order 1, gains, clamps, no limits, scaled, libm",
     "order 2, one gain, one clamp, one filter, no limits, libm",
@@ -39,12 +40,14 @@ def check_functions(options: set[str]) -> None:
         controller.check_time(share * controller.t_c, max(Fraction(0), min(end, share * controller.segments)))
     u = Fraction(secrets.randbits(200), 1 << 200) * controller.segments
     t, states = u * controller.t_c / controller.segments, []
-    for k, position in enumerate(POSITIONS):
+    for k, position in enumerate(POSITIONS):  # of one component, the others being inside, so that the status depends on it
         for j, filtered_position in enumerate(POSITIONS if orders == 2 else POSITIONS[:1]):
-            x = [POSITIONS[(k + j) % 9], POSITIONS[(2 * j + k) % 9], position]
-            states.append([x, [POSITIONS[(2 * k + j) % 9], filtered_position, filtered_position]][:orders])
+            x, z = [*INSIDE], [*reversed(INSIDE)]
+            x[(k + j) % 3], z[(k + j) % 3] = position, filtered_position
+            states.append([x, z][:orders])
         for width in (random_number(), Fraction(1, 1 << 30), Fraction(0), Fraction(-1)):
             controller.check_transform(width, position)
+    states.append([[POSITIONS[3]] * 3] * orders)  # all in the middle, where margins are 1/2 and u is 0
     for positions in states:
         state = controller.state(u, *positions)
         controller.check_law(partial(c.control, t), state)
@@ -52,7 +55,7 @@ def check_functions(options: set[str]) -> None:
     for tick in range(14) if "ticks" in options else ():
         u = min(Fraction(3 * min(tick, 12), controller.divisor), Fraction(controller.segments))
         controller.check_law(partial(c.control_tick, tick), controller.state(u, *states[tick % len(states)]))
-    for dt in (random_number(), Fraction(0), -random_number()) if "differences" in options else ():
+    for dt in (random_number(), Fraction(1, 1 << 99), Fraction(0), -random_number()) if "differences" in options else ():
         x, before, v = ([random_number()] * 3 for _ in range(3))
         c.velocity(dt, x, before, v)
         require(v == [(x[0] - before[0]) / dt if dt > 0 else None] * 3, "`velocity` is no difference over dt")

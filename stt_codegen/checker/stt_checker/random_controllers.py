@@ -49,11 +49,16 @@ class RandomController:
         self.lists = {name: [random_number() for _ in range(n)] for name in ("gain", "u_max", "e_max", "filter")}
         self.lists["e_max"] = [v / (1 + v) for v in self.lists["e_max"]]
         self.lists["filter"] = [v + 10**80 for v in self.lists["filter"]]  # large, so that the filtered tube has a width
+        self.lists["u_max"] = [v / 64 for v in self.lists["u_max"]]  # small, so that u is limited in most states
+        if "order 2" in options:
+            self.lists["gain"] = [v * 10**80 for v in self.lists["gain"]]  # so that u is about as large as its limits
         for option, name in (("one gain", "gain"), ("one clamp", "e_max"), ("one filter", "filter")):
             self.lists[name] = self.lists[name][:1] * n if option in options else self.lists[name]
         self.lists["least_share"] = [(1 - v) / 2 for v in self.lists["e_max"]]
         self.starts = {f"{kind}start_{side}": [Fraction(0)] * n for kind in ("", "filtered_") for side in ("lower", "upper")}
-        numbers: dict[str, Any] = {name: self.lists[name][0] for name in ("gain", "e_max", "filter")} | {"limit": random_number()}
+        numbers: dict[str, Any] = {name: self.lists[name][0] for name in ("gain", "e_max", "filter")} | {
+            "limit": random_number() / 64
+        }
         numbers |= {f"{name}_minus": -v for name, v in numbers.items()} | {f"row_{j}": 2 * n * j for j in (1, 2, 3)}
         numbers |= {"n": n, "pairs": 2 * n, "t_c": self.t_c, "per_second": k / self.t_c, "last": k - Fraction(1, 1 << 200)}
         numbers |= {"smallest_share": self.lists["least_share"][0], "narrowest": Fraction(1, 1 << 20), "ticks": 12, "tick_num": 3}

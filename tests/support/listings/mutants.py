@@ -72,7 +72,7 @@ def mutants(first: str = "controller") -> Iterator[Mutant]:
                 or "#" in statement
             ):
                 continue
-            replacements = {*changed_statements(statement, types, Random(f"{heading} {number}"))} - {statement}
+            replacements = {*changed_statements(statement, types, Random(f"{heading} {statement}"))} - {statement}
             yield from (Mutant(heading, number, line, text + tail) for text in sorted(replacements))
 
 
