@@ -159,8 +159,12 @@ JOBS = (
         "certify/listing_meaning", "The listing of every combination of options does what the specification says.", 3,
         helpers=CHECKED
     ),
-    slow_tests(
-        "certify/listing_mutants", "A wrong statement of a listing is noticed, by the symbolic machine and by --meaning.", 20,
+    *(
+        slow_tests("certify/listing_mutants", law, 5, part=part, only=only, dist="load")
+        for part, only, law in (
+            ("symbols", "symbolic", "A wrong statement of a listing is noticed by the symbolic machine."),
+            ("fractions", "command", "A wrong statement of a listing is noticed by --meaning."),
+        )
     ),
     slow_tests("cli/cli", "A command whose reader closes the pipe ends without an error.", 1),
     slow_tests(

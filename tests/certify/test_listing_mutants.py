@@ -5,6 +5,8 @@ Every sign, comparison, choice, number and name of a statement is changed, one a
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from functools import cache, partial
 
 import pytest
@@ -19,8 +21,18 @@ COMBINATIONS = [options_of(alternatives) for alternatives in pairwise_combinatio
 MEANING_COMBINATIONS = [{*combination.split(", ")} for combination in meaning.COMBINATIONS]
 SPLIT = "exponent and mantissa"  # by bits; --meaning leaves them to the reader's eye
 SAMPLE_STEP = 40  # of the mutants that every run of the tests looks at
-# Of other statements `--meaning` notices all; these it cannot see, or they mean the same in exact arithmetic.
-SAME_FOR_FRACTIONS: dict[str, str] = {}
+SAME_VALUES = {r"positive \? dt : 2\.0": "the quotient is not used where dt is not positive"}
+# Of what --meaning does not notice: why not, by a pattern of the mutant's text.
+UNSEEN = SAME_VALUES | {
+    r"^(?!.*(?:inside|x_above|x_below|z_above|z_below) = ).* < .* -> .* <= ": "both choices are equal where the compared values are",
+    r"segment of a tick: .*early \? whole": "the last segment is counted up to the end",
+    r"margin: return margin; -> return margin_next;": "it does not compile",
+    r"to_nearer = farther \?": "a tube without width has zeros",
+    r"transform: .*(?:e_above|e_limited) = ": "the clamp of e is for rounding alone: the distances are clamped before",
+    r"isfinite|sum of zeros|inputs that are not finite": "tests for NaN are for the reader's eye",
+    r"z_inside = 0\.5 <|z_beyond = z_distance <": "the distances of v + lambda x are large in these examples",
+    r"scale u: .*u_above = .*factor|u_beyond \? \$limit : u_scaled": "the clamp of u is for rounding alone: the largest |u| is the limit",
+}
 
 
 @cache
@@ -42,16 +54,33 @@ def meaning_notices(mutant: Mutant) -> bool:
     )
 
 
+def is_explained(mutant: Mutant, reasons: Mapping[str, str]) -> bool:
+    return any(re.search(pattern, str(mutant)) for pattern in reasons)
+
+
 def test_there_are_mutants_of_every_piece_with_formulas() -> None:
     assert len(all_mutants()) > 600
     assert len({mutant.heading for mutant in all_mutants()}) > 30
 
 
 @pytest.mark.parametrize("mutant", all_mutants()[::SAMPLE_STEP], ids=str)
-def test_a_wrong_statement_is_noticed_by_the_symbolic_machine(mutant: Mutant) -> None:
-    assert machine_notices(mutant)
+def test_a_wrong_statement_is_noticed(mutant: Mutant) -> None:
+    assert machine_notices(mutant) or is_explained(mutant, SAME_VALUES)
+    assert mutant.heading == SPLIT or meaning_notices(mutant) or is_explained(mutant, UNSEEN)
 
 
 @pytest.mark.slow
-def test_every_wrong_statement_is_noticed_by_the_symbolic_machine() -> None:
-    assert [str(mutant) for mutant in all_mutants() if not machine_notices(mutant)] == []
+@pytest.mark.parametrize("part", range(4))
+def test_every_wrong_statement_is_noticed_by_the_symbolic_machine(part: int) -> None:
+    unseen = [mutant for mutant in all_mutants()[part::4] if not machine_notices(mutant)]
+    assert [str(mutant) for mutant in unseen if not is_explained(mutant, SAME_VALUES)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", range(4))
+def test_every_wrong_statement_is_noticed_by_the_command(part: int) -> None:
+    """`--meaning`: of the mutants at most one in ten means the same, or is for the reader's eye."""
+    considered = [mutant for mutant in all_mutants()[part::4] if mutant.heading != SPLIT]
+    unseen = [mutant for mutant in considered if not meaning_notices(mutant)]
+    assert [str(mutant) for mutant in unseen if not is_explained(mutant, UNSEEN)] == []
+    assert len(unseen) < len(considered) / 10

@@ -47,7 +47,7 @@ def check_functions(options: set[str]) -> None:
             states.append([x, z][:orders])
         for width in (random_number(), Fraction(1, 1 << 30), Fraction(0), Fraction(-1)):
             controller.check_transform(width, position)
-    states.append([[POSITIONS[3]] * 3] * orders)  # all in the middle, where margins are 1/2 and u is 0
+    states.append([[Fraction("0.5000000001")] * 3] * orders)  # near the middle, where u is within its limits
     for positions in states:
         state = controller.state(u, *positions)
         controller.check_law(partial(c.control, t), state)

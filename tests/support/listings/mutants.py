@@ -65,12 +65,8 @@ def mutants(first: str = "controller") -> Iterator[Mutant]:
         types = types_of_names(heading)
         for number, line in enumerate(source.pieces()[heading]):
             statement, tail = re.fullmatch(r"(.*?)((?:  \[.*\])?)", line).groups()  # type: ignore[union-attr]
-            if (
-                heading == "compiler flags"
-                or "/*" in statement
-                or not re.search(r" = |return |^ *P_\w+\(", statement)
-                or "#" in statement
-            ):
+            has_formula = re.search(r" = |return |^ *P_\w+\(", statement) and not re.search(r"/\*|#|\bfor \(", statement)
+            if not has_formula:
                 continue
             replacements = {*changed_statements(statement, types, Random(f"{heading} {statement}"))} - {statement}
             yield from (Mutant(heading, number, line, text + tail) for text in sorted(replacements))
