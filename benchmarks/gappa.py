@@ -31,9 +31,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
 
-from stt_codegen.checker.stt_checker.exact import units_above
+from stt_codegen.checker.stt_checker.exact import SMALLEST, units_above
 from stt_codegen.checker.stt_checker.rounding import EDGE, RATE, arithmetic_error
-from stt_codegen.checker.stt_checker.source import SMALLEST, fill, real_table, tokens
+from stt_codegen.checker.stt_checker.source import fill, real_table, tokens
 from stt_codegen.checker.stt_checker.task import Task
 from stt_codegen.checker.stt_checker.tube import Tube
 from stt_codegen.theorem.facts import Statement

@@ -163,7 +163,7 @@ JOBS = (
         slow_tests("certify/listing_mutants", law, 5, part=part, only=only, dist="load")
         for part, only, law in (
             ("symbols", "symbolic", "A wrong statement of a listing is noticed by the symbolic machine."),
-            ("fractions", "command", "A wrong statement of a listing is noticed by --meaning."),
+            ("fractions", "not symbolic", "A wrong statement of a listing is noticed by --meaning."),
         )
     ),
     slow_tests("cli/cli", "A command whose reader closes the pipe ends without an error.", 1),

@@ -41,7 +41,7 @@ class Shape:
     radius: Fraction = Fraction(0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TaskSets:
     """The boxes of a task, its unsafe sets, and the half-spaces that cut its state space (`walls`) and its target (`goals`).
 
@@ -76,7 +76,8 @@ def sets_of(task: Task) -> TaskSets:
             )
     unsafe = tuple(shape_of(obstacle) for obstacle in task.unsafe)
     start = tuple(task.start[0]), tuple(task.start[1])
-    return TaskSets(space, start, target, unsafe, _half_spaces(task.space.faces[2 * n :]), goals)
+    walls = _half_spaces(task.space.faces[2 * n :])
+    return TaskSets(space=space, start=start, target=target, unsafe=unsafe, walls=walls, goals=goals)
 
 
 def _half_spaces(faces: Sequence[CheckedHalfSpace]) -> tuple[HalfSpace, ...]:
