@@ -76,7 +76,7 @@ def corners_of_cut_box''',
             (
                 '        if "centre" in table:\n',
                 """        if "middle" in table:
-            middle, reach = numbers(table["middle"], d), number(table["reach"])
+            middle, reach = vector(table["middle"], d), number(table["reach"])
             for signs in itertools.product((Fraction(-1), Fraction(1)), repeat=d):
                 listed.append((list(signs), dot(signs, middle) + reach))
         if "centre" in table:
@@ -85,7 +85,7 @@ def corners_of_cut_box''',
             (
                 '        elif "normals" in form:\n',
                 """        elif "middle" in form:
-            centre, reach = numbers(table["middle"], d), number(table["reach"])
+            centre, reach = vector(table["middle"], d), number(table["reach"])
             corners = [[v + s * reach * (k == i) for k, v in enumerate(centre)] for i in range(d) for s in (-1, 1)]
         elif "normals" in form:
 """,

@@ -145,7 +145,7 @@ def test_evidence_reports_checks_as_they_ended(tool: Any, monkeypatch: pytest.Mo
     assert "verified: omni_s2: P1 to P7 hold" in report_html("plain")
     controller = controller_of_kind("plain")
     text = controller.files["omni_s2.c"]
-    mutation = b"least = room * 0.005F", b"least = room * 0.006F"
+    mutation = b"smallest = width * 0.005F", b"smallest = width * 0.006F"
     assert text.count(mutation[0]) == 1
     mutated = replace(controller, files={**controller.files, "omni_s2.c": text.replace(*mutation)})
     failed = evidence(mutated, ROOT / "tasks" / "omni_s2.toml")
