@@ -58,7 +58,7 @@ check: $(STAMP)
 # The stand-alone checker as one file, dist/checker.pyz: the same bytes on every machine. It needs Python 3.11 and nothing else.
 checker: $(STAMP)
 	@mkdir -p dist
-	@$(BIN)/python -m stt_codegen.checker.archive dist/checker.pyz
+	@$(BIN)/python -m stt_codegen.checker.archive dist/checker.pyz && echo "checker: dist/checker.pyz"
 
 $(STAMP): locks/requirements.lock pyproject.toml
 	@.ci/tools python

@@ -3,20 +3,23 @@
     python -m benchmarks same_outputs --against COMMIT [--count 1000000] [--seed 0] [--only NAME] [--functions control,tube]
 
 Each C file of generated/ is compiled beside the file of the same path in COMMIT. Functions that both have, with the same
-parameters, run on the same inputs: times from before 0 to after t_c; states in the tube, beyond its edges, far away; now and then
-a NaN, an infinity, or 0. It prints one row for each file, and ends with exit code 1 where a bit differs. It is for changes of the
-printer that must not change what a controller computes."""
+parameters, run on the same inputs: times from before 0 to after t_c; three states of four in the tube and up to a fifth of its
+width beyond, the others anywhere; now and then a NaN, an infinity, or 0. Each row says how many inputs had status OK. It prints
+one row for each file, and ends with exit code 1 where a bit differs. It is for changes of the printer that must not change what a
+controller computes."""
 
 from __future__ import annotations
 
 import argparse
 import ctypes
+import json
 import re
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +32,8 @@ FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC")
 KINDS = {"float": np.float32, "double": np.float64, "int32_t": np.int32, "uint32_t": np.uint32, "bool": np.bool_}
 SPECIAL = (np.nan, np.inf, -np.inf, 0.0, -0.0, 1e30, -1e30)
 SPECIAL_SHARE = 0.01  # of the inputs
-INTEGER_RANGE = 1 << 17  # of states in integers: twice that of a state, so some count as BAD_INPUT
+STATES_BY_THE_TUBE = 0.75  # of all states
+BEYOND_AN_EDGE = 0.2  # of the tube's width, at most
 
 
 @dataclass(frozen=True)
@@ -94,6 +98,7 @@ class Library:
     """A compiled controller whose functions take many inputs in one call."""
 
     def __init__(self, files: dict[str, bytes], prefix: str, functions: list[Prototype]) -> None:
+        self.functions = {f.name: f for f in functions}
         with tempfile.TemporaryDirectory() as folder:
             for name, data in files.items():
                 Path(folder, name).write_bytes(data)
@@ -117,26 +122,64 @@ class Library:
         return results
 
 
-def random_inputs(f: Prototype, rng: np.random.Generator, count: int, reach: tuple[float, float]) -> dict[str, np.ndarray]:
-    """Draw inputs of a function: reach: the prescribed time in seconds or ticks, and the largest |coordinate| of the tube."""
-    duration, largest = reach
-    inputs = {}
-    for p in f.parameters:
-        if p.is_output:
-            continue
+@dataclass(frozen=True)
+class Recorded:
+    """What inputs are drawn from. duration: the prescribed time in seconds; tick_period: seconds, 0 without ticks; reach: the
+    largest |coordinate| of the tube, in units of its C; filters: lambda by component, for order 2."""
+
+    duration: float
+    tick_period: float
+    reach: float
+    filters: np.ndarray
+
+
+def random_inputs(
+    f: Prototype, rng: np.random.Generator, count: int, recorded: Recorded, library: Library
+) -> dict[str, np.ndarray]:
+    """Draw inputs of a function. library: the controller whose tube the states are by."""
+    inputs: dict[str, np.ndarray] = {}
+    duration, reach = recorded.duration, recorded.reach
+    for p in (p for p in f.parameters if not p.is_output):
         size = (count, p.length) if p.length else (count,)
-        if p.kind in ("int32_t", "uint32_t"):
-            low, high = (0, int(1.2 * duration) + 2) if p.name == "tick" else (-INTEGER_RANGE, INTEGER_RANGE)
-            inputs[p.name] = rng.integers(low, high, size).astype(KINDS[p.kind])
-            continue
-        low, high = {"t": (-0.1 * duration, 1.1 * duration), "dt": (-0.01, 0.1), "alpha": (0.0, largest)}.get(
-            p.name, (-1.2 * largest, 1.2 * largest)
-        )
-        values = rng.uniform(low, high, size)
-        is_special = rng.random(size) < SPECIAL_SHARE
-        values[is_special] = rng.choice(SPECIAL, int(is_special.sum()))
-        inputs[p.name] = values.astype(KINDS[p.kind])
+        if p.name == "tick":
+            inputs[p.name] = rng.integers(0, int(1.2 * duration / recorded.tick_period) + 2, size).astype(KINDS[p.kind])
+        elif p.kind in ("int32_t", "uint32_t"):
+            inputs[p.name] = rng.uniform(-1.2 * reach, 1.2 * reach, size).astype(KINDS[p.kind])
+        else:
+            low, high = {"t": (-0.1 * duration, 1.1 * duration), "dt": (-0.01, 0.1), "alpha": (0.0, reach)}.get(
+                p.name, (-1.2 * reach, 1.2 * reach)
+            )
+            inputs[p.name] = rng.uniform(low, high, size).astype(KINDS[p.kind])
+    _move_states_to_the_tube(inputs, rng, recorded, library)
+    for values in inputs.values():
+        if values.dtype.kind == "f":
+            is_special = rng.random(values.shape) < SPECIAL_SHARE
+            values[is_special] = rng.choice(SPECIAL, int(is_special.sum()))
     return inputs
+
+
+def _move_states_to_the_tube(
+    inputs: dict[str, np.ndarray], rng: np.random.Generator, recorded: Recorded, library: Library
+) -> None:
+    """Put most x, and v, between the edges at the time of the call or a little beyond. Without a time or a tube they stay."""
+    names = [name for name in ("x", "v") if name in inputs]
+    time = "tick" if "tick" in inputs else "t"
+    if time not in inputs or "x" not in names or "tube" not in library.functions:
+        return
+    count = len(inputs[time])
+    is_moved = rng.random(count) < STATES_BY_THE_TUBE
+    x = None
+    for name, function in zip(names, ("tube", "filtered_tube"), strict=False):
+        tube = library.functions[function]
+        known = dict(inputs)
+        if tube.parameters[0].name == "t" and time == "tick":
+            known["t"] = (inputs["tick"] * recorded.tick_period).astype(KINDS[tube.parameters[0].kind])
+        lower, upper = (edge.astype(float) for edge in library.outputs(tube, known, count))
+        drawn = lower + (upper - lower) * rng.uniform(-BEYOND_AN_EDGE, 1 + BEYOND_AN_EDGE, lower.shape)
+        if x is not None:  # what was drawn is v + lambda x
+            drawn -= recorded.filters * x
+        x = np.where(is_moved[:, None], drawn, inputs[name])
+        inputs[name] = x.astype(inputs[name].dtype)
 
 
 def old_file(commit: str, path: Path) -> bytes | None:
@@ -160,17 +203,31 @@ def differences(path: Path, options: argparse.Namespace) -> list[str] | None:
     wanted = set(options.functions.split(",")) if options.functions else None
     functions = [f for f in prototypes(header, prefix) if old.get(f.name) == f and (wanted is None or f.name in wanted)]
     functions = [f for f in functions if f"{prefix}_{f.name}(".encode() in now[path.name]]  # others are in files beside it
-    duration = float(re.search(rf"#define {prefix.upper()}_(?:TICKS|T_C) (?:UINT32_C\()?([\d.]+)", header)[1])  # type: ignore[index]
-    table = re.search(rb"_(?:coefficients|reach)\[\d+\][^{]*\{(.*?)\};", now[path.name], flags=re.S)
-    largest = 6 * max(abs(float(v)) for v in re.findall(rb"-?[\d.]+(?:e-?\d+)?", table[1] if table else b"1"))
+    recorded = _recorded(path, header, now[path.name])
     libraries = [Library(files, prefix, functions) for files in (before, now)]
-    messages = []
+    messages, inside = [], []
     for f in functions:
-        inputs = random_inputs(f, np.random.default_rng(options.seed), options.count, (duration, largest))
-        pairs = zip(*(library.outputs(f, inputs, options.count) for library in libraries), strict=True)
+        inputs = random_inputs(f, np.random.default_rng(options.seed), options.count, recorded, libraries[1])
+        pairs = list(zip(*(library.outputs(f, inputs, options.count) for library in libraries), strict=True))
         if any(a.tobytes() != b.tobytes() and not _same_but_for_nan(a, b) for a, b in pairs):
             messages.append(f"{f.name} differs")
-    return messages or [f"equal: {', '.join(f.name for f in functions)}"]
+        if f.result == "int32_t" and f.name.startswith("control"):
+            inside.append(f"{f.name} {(pairs[-1][1] == 0).mean():.0%}")
+    share = f"; status OK: {', '.join(inside)}" if inside else ""
+    return messages or [f"equal: {', '.join(f.name for f in functions)}{share}"]
+
+
+def _recorded(path: Path, header: str, c: bytes) -> Recorded:
+    """Read what inputs are drawn from: times in the header, coordinates in the C's table, lambda in the certificate."""
+    prefix = path.stem.upper()
+    stated = {name: float(v) for name, v in re.findall(rf"#define {prefix}_(\w+) (?:U?INT32_C\()?([\d.e-]+)", header)}
+    tick_period = 1 / stated["TICKS_A_SECOND"] if "TICKS_A_SECOND" in stated else stated.get("TICK_PERIOD", 0.0)
+    duration = stated["T_C"] if "T_C" in stated else stated["TICKS"] * tick_period
+    table = re.search(rb"_(?:coefficients|reach)\[\d+\][^{]*\{(.*?)\};", c, flags=re.S)
+    reach = 6 * max(abs(float(v)) for v in re.findall(rb"-?[\d.]+(?:e-?\d+)?", table[1] if table else b"1"))
+    certificate = json.loads((ROOT / path).with_suffix(".certificate.json").read_text())
+    filters = np.array([float(Fraction(v)) for v in certificate.get("filter", [])])
+    return Recorded(duration, tick_period, reach, filters)
 
 
 def _same_but_for_nan(a: np.ndarray, b: np.ndarray) -> bool:

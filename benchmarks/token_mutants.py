@@ -192,16 +192,30 @@ def is_accurate_curve_row(mutant: TokenMutant, task: str) -> bool:
 
 # ------------------------------------------------------------------------------------------------ claims
 
-# Changed claims that may be true, by their description.
+# Changed claims that may be true: by the path of the number in the certificate, which changes, and why. A change is up, down, or
+# a step: one unit up or down, or down by less than a claim of seconds or metres is rounded up.
 TRUE_CLAIMS = {
-    r"sampled\.rho.*": "another bound on |e|, which is proved, too",
-    r"sampled\.(shift|u).*": "a larger error or input, which the proof allows, too",
-    r"(edge|rate)_error\.\d+: \d+": "a larger error, which the proof allows, too",
-    r"claims\.\d+\.margin: -?\d+": "a smaller margin, which holds, too",
-    r"claims\.\d+\.hints\.\d+\.2\..*": "another separating normal",
-    r"claims\.\d+\.hints\.\d+\.3\..*": "another multiplier of a half-space",
-    r"mission\.time_margin: \d+": "a larger allowance for the clock, with which the mission follows, too",
+    r"sampled\.rho\.\d+": ("up down", "another bound on |e|, which is proved, too"),
+    r"sampled\.(shift|u)\.\d+": (
+        "up step",
+        "a larger error or input, which the proof allows, too, or the same before it is rounded up",
+    ),
+    r"(edge|rate)_error\.\d+": ("up", "a larger error, which the proof allows, too"),
+    r"claims\.\d+ P\d\.margin": ("down", "a smaller margin, which holds, too"),
+    r"claims\.\d+ P10\.(margin|on\.[01])": (
+        "step",
+        "the part of a mission, for another time or with another margin, from which it follows",
+    ),
+    r"claims\.\d+ P\d+\.hints\.\d+\.2\.\d+": ("up down", "another separating normal"),
+    r"claims\.\d+ P\d+\.hints\.\d+\.3\.\d+": ("up down", "another multiplier of a half-space"),
+    r"claims\.\d+ P[135]\.hints\.\d+\.[01]": ("up down", "another place to cut the tube at"),
+    r"mission\.time_margin": ("up step", "a larger allowance for the clock, with which the mission follows, too"),
 }
+ENTRIES_THAT_MAY_BE_LEFT_OUT = {
+    r"sha256\.\w+\.rs": "a file of which nothing is said",
+    r"claims\.\d+ P10": "a part of a mission that follows from the others",
+}
+ROUNDED_UP_BY = Fraction(1, 10**6)
 
 
 def claims_with_a_change(task: str) -> Iterator[tuple[str, Any]]:
@@ -226,9 +240,17 @@ def claims_with_a_change(task: str) -> Iterator[tuple[str, Any]]:
                 del target[path[-1]]
             else:
                 target[path[-1]] = new
-            yield f"{'.'.join(map(str, path))}: {label}", copy
+            yield f"{described(path, document)}: {label}", copy
     for key in ("note", "sampled2"):
         yield f"{key}: added", {**document, key: 1}
+
+
+def described(path: tuple[Any, ...], document: dict[str, Any]) -> str:
+    """Return the path of an entry as words with dots; a claim has its property too, as in "claims.3 P4.margin"."""
+    words = [str(key) for key in path]
+    if path[0] == "claims" and len(path) > 1:
+        words[1] += f" {document['claims'][path[1]]['property']}"
+    return ".".join(words)
 
 
 def changed_values(value: Any) -> list[tuple[str, Any]]:
@@ -237,9 +259,10 @@ def changed_values(value: Any) -> list[tuple[str, Any]]:
     if isinstance(value, bool) or value is None:
         alternatives.append(("negated", not value))
     elif isinstance(value, int):
-        alternatives += [(f"{value + d}", value + d) for d in (1, -1, 10**6)] + [("as a decimal", float(value))]
+        alternatives += [(f"{value} to {value + d}", value + d) for d in (1, -1, 10**6)] + [("as a decimal", float(value))]
     elif isinstance(value, str):
-        alternatives.append(("another word", value[:-1] + ("1" if value[-1:] != "1" else "2")))
+        changed = value[:-1] + ("1" if value[-1:] != "1" else "2")
+        alternatives.append((f"{value} to {changed}", changed))
     elif isinstance(value, list):
         alternatives += [("empty", []), ("twice", value + value)]
     else:
@@ -249,8 +272,18 @@ def changed_values(value: Any) -> list[tuple[str, Any]]:
 
 def reason_for_true_claim(label: str) -> str:
     """Return why the changed claim with this description may be true; an empty text where it cannot be."""
-    for pattern, reason in TRUE_CLAIMS.items():
-        if re.fullmatch(pattern, label):
+    for path, reason in ENTRIES_THAT_MAY_BE_LEFT_OUT.items():
+        if re.fullmatch(f"{path}: left out", label):
+            return reason
+    change = re.fullmatch(r"(?P<path>[^:]+): (?P<old>-?\d+(?:/\d+)?) to (?P<new>-?\d+(?:/\d+)?)", label)
+    if change is None:
+        return ""
+    old, new = Fraction(change["old"]), Fraction(change["new"])
+    changes = {"up" if new > old else "down"}
+    if abs(new - old) == 1 or 0 < old - new < old * ROUNDED_UP_BY:
+        changes.add("step")
+    for path, (possible, reason) in TRUE_CLAIMS.items():
+        if re.fullmatch(path, change["path"]) and changes & set(possible.split()):
             return reason
     return ""
 

@@ -75,9 +75,13 @@ Section Emission.
     "#if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)";
     ("#error """ ++ task ++ ".c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding""")%string;
     "#endif"] ++ (if is_single consts then [
-    "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)"] else [
-    "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)"]) ++ [
+    "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)"] else [
+    "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1) && (FLT_EVAL_METHOD != 16)"]) ++ [
     ("#error """ ++ task ++ ".c: compile for " ++ (if is_single consts then "float" else "double") ++ " arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that""")%string;
+    "#endif"] ++ (if is_single consts then [
+    "#if FLT_MANT_DIG != 24"] else [
+    "#if DBL_MANT_DIG != 53"]) ++ [
+    ("#error """ ++ task ++ ".c: " ++ (if is_single consts then "float" else "double") ++ " is not IEEE-754's here, for which rounding is bounded""")%string;
     "#endif";
     "#if defined(__clang__)";
     "#pragma STDC FP_CONTRACT OFF";

@@ -3,7 +3,10 @@
 import sys
 from pathlib import Path
 
-sys.dont_write_bytecode, sys.pycache_prefix = True, "/dev/null"  # run what can be read here, and no compiled file beside it
+if sys.version_info < (3, 11):  # noqa: UP036 - whoever checks may have an older one
+    print("checker: cannot check: it needs Python 3.11 or a newer one", file=sys.stderr)
+    sys.exit(2)
+sys.dont_write_bytecode, sys.pycache_prefix = True, "/dev/null"  # imports read the source that is here, and no compiled file
 sys.path.insert(0, str(Path(__file__).parent))  # for `python3 -I`, which does not add it
 
 from stt_checker import check_files  # type: ignore[import-not-found]  # noqa: E402

@@ -156,7 +156,8 @@ def assert_is_not_the_listing(files: Files, folder: Path) -> None:
     """The checker refuses the files, and says that a C file or a header is not the listing with these numbers."""
     message = refused_files(files, folder)
     assert re.match(
-        r"checker: refused: (\w+\.[ch] has '.*' where the listing has '|a C file has |the C has |the C's table )", message
+        r"checker: refused: (\w+\.[ch] has '.*' in line \d+ where the listing has |a C file has |the C has |the C's table )",
+        message,
     ), message
 
 

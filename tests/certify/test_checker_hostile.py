@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from stt_codegen.checker.stt_checker.exact import Refused, Unusable
-from stt_codegen.checker.stt_checker.formula import Cycle, parse, satisfied
+from stt_codegen.checker.stt_checker.formula import Cycle, of_entry, parse, satisfied
 from stt_codegen.checker.stt_checker.sets import hull_faces
 from stt_codegen.checker.stt_checker.source import tokens
 from stt_codegen.checker.stt_checker.task import Task
@@ -97,7 +97,7 @@ HOSTILE_TEXTS: dict[str, tuple[str, str, str]] = {
     "the other pragma": ("c", "#pragma STDC FP_CONTRACT OFF", "#pragma STDC FP_CONTRACT ON"),
     "an error that is no error": ("c", "#error", "#warning"),
     "a test of the compiler turned about": ("c", "#if defined(__FAST_MATH__)", "#if !defined(__FAST_MATH__)"),
-    "code after the end": ("c", "trolley_real epsilon[TROLLEY_N]", "trolley_real epsilon[TROLLEY_N] /* */"),
+    "code before the end": ("c", "/* B-spline", "int trolley_more(void);\n/* B-spline"),
     "assembly": ("c", "    *w0 = v2;", '    __asm__("" : : : "memory");\n    *w0 = v2;'),
     "an attribute": ("c", "static inline trolley_real trolley_law", "__attribute__((weak)) trolley_real trolley_law"),
     "a space that is none": ("c", "*w0 = v2;", "*w0\u00a0= v2;"),
@@ -119,14 +119,28 @@ HOSTILE_TEXTS: dict[str, tuple[str, str, str]] = {
 
 @pytest.mark.parametrize("attack", HOSTILE_TEXTS)
 def test_c_that_is_spelled_otherwise_than_comments_spaces_and_numbers_allow_is_refused(attack: str, tmp_path: Path) -> None:
-    """All but the comment at the end of a statement, which changes nothing."""
     end, old, new = HOSTILE_TEXTS[attack]
     files = recorded_files("trolley")
     text = files[f"trolley.{end}"].decode()
     assert old in text
     changed = text.replace(old, new).encode()
     code, message = verdict(with_hashes({**files, f"trolley.{end}": changed}), tmp_path)
-    assert code == (VERIFIED if attack == "code after the end" else REFUSED), message
+    assert code == REFUSED, message
+
+
+@pytest.mark.parametrize("end", ["c", "h"])
+def test_what_stands_after_the_end_of_the_listing_is_refused_and_a_comment_is_not(end: str, tmp_path: Path) -> None:
+    files = recorded_files("trolley")
+    name, text = f"trolley.{end}", files[f"trolley.{end}"]
+    for more, code in (
+        (b"\nint trolley_more(void) { return 0; }\n", REFUSED),
+        (b"\n;\n", REFUSED),
+        (b"\n/* more */\n", VERIFIED),
+    ):
+        assert verdict(with_hashes({**files, name: text + more}), tmp_path)[0] == code
+    code, message = verdict(with_hashes({**files, name: text[: text.rstrip().rfind(b"\n")]}), tmp_path)
+    assert code == REFUSED
+    assert "'the end'" in message
 
 
 @pytest.mark.parametrize("text", ["$3/4", "$0", "(-$1)", "the end", "$", "M_N", "P_real", "<<basis>>", "  [ticks]"])
@@ -249,6 +263,9 @@ HOSTILE_JSON: dict[str, tuple[str, str]] = {
     "no cuts": ('"cuts": 1', '"cuts": 0'),
     "cuts below 0": ('"cuts": 1', '"cuts": -1'),
     "a huge number of cuts": ('"cuts": 1', '"cuts": 1' + "0" * 4000),
+    "more cuts than are needed": ('"cuts": 1', f'"cuts": {1 << 21}'),
+    "a claim as pairs": ('{"property": "P6", "on": [0, 32]}', '[["property", "P6"], ["on", [0, 32]]]'),
+    "hints of a claim that has none": ('"property": "P2"', '"property": "P2", "hints": []'),
     "units beyond all": ('"unit_bits": 20', '"unit_bits": 100000'),
     "units below all": ('"unit_bits": 20', '"unit_bits": -100000'),
     "other units": ('"unit_bits": 20', '"unit_bits": 21'),
@@ -546,8 +563,19 @@ def test_a_task_that_would_take_long_is_turned_away_soon() -> None:
             parse("not (a until " * 18 + "b" + ")" * 18)
         with pytest.raises((Unusable, RecursionError)):
             parse("(" * 100_000 + "a" + ")" * 100_000)
+        corners = [[Fraction(k), Fraction(k * k), Fraction(1)] for k in range(64)]
+        assert len(hull_faces(corners, 3)) == 2  # both sides of the one plane, once each
         with pytest.raises(Unusable, match="too many points"):
             hull_faces([[Fraction(k), Fraction(k * k), Fraction(k**3)] for k in range(65)], 3)
+
+
+def test_within_without_then_is_no_entry_of_a_mission() -> None:
+    """It would be read as a visit at any time."""
+    entry = {"visit": "a", "then": "b", "within": 1}
+    of_entry(entry, Fraction(9), False)
+    del entry["then"]
+    with pytest.raises(Unusable, match="`within` without `then`"):
+        of_entry(entry, Fraction(9), False)
 
 
 def test_nested_choices_of_regions_are_turned_away_soon(tmp_path: Path) -> None:

@@ -14,9 +14,11 @@ import pytest
 
 from benchmarks import token_mutants
 from benchmarks.mutations import checked_tube
+from stt_codegen.checker.stt_checker import claims
 from stt_codegen.checker.stt_checker.curves import check_curves
 from stt_codegen.checker.stt_checker.exact import Refused, units_above
 from stt_codegen.checker.stt_checker.integers import Integers
+from stt_codegen.checker.stt_checker.starts import covered_starts
 from tests.support.checked_files import (
     REFUSED,
     certificate_of,
@@ -179,7 +181,7 @@ GANTRY_HEADER = [
     ("int gantry_selftest(void);", ""),
 ]
 REASONS = "checker: refused: (" + "|".join((  # of a file that is not the listing, or of a table that is not the task's
-    r"\w+\.[ch] has '.*' where the listing has '", "a C file has ", "the C has ", "the C's table ", "the curves of the C ", "the limits of the C ",
+    r"\w+\.[ch] has '.*' in line \d+ where the listing has ", "a C file has ", "the C has ", "the C's table ", "the curves of the C ", "the limits of the C ",
     "a row of the curves of the C ", "a table of the C ", "a filter or the smallest width in the C ", "a shift or a limit of the C ",
     "the gain of . in the C ", "u of . in the C ", "the certificate's start is not the tube's",
 )) + ")"  # fmt: skip
@@ -350,3 +352,17 @@ def test_a_tube_beyond_the_largest_x_is_refused() -> None:
     tube.table = [[(a + (1 << 26), b + (1 << 26)) for a, b in pairs] for pairs in tube.table]
     with pytest.raises(Refused, match="beyond the largest x"):
         controller._check_ranges(tube)
+
+
+@pytest.mark.parametrize("name", ["start_lower", "filtered_start_upper"])
+def test_a_bound_of_the_starts_beyond_32_bits_is_refused(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A compiler would cut it, and `covered` would be about other starts."""
+
+    def far_starts(*arguments: Any) -> dict[str, list[Any]]:
+        starts = covered_starts(*arguments)
+        return {**starts, name: [*starts[name][:-1], starts[name][-1] + (1 << 32)]}
+
+    monkeypatch.setattr(claims, "covered_starts", far_starts)
+    code, message = verdict(recorded_files("crane", "fixed"), tmp_path)
+    assert code == REFUSED
+    assert "more than 32 bits" in message

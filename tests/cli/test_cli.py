@@ -82,7 +82,7 @@ def test_an_unknown_option_is_exit_code_2() -> None:
         (("desing",), "desing"),
         (("simulate", TASK, "--w-max", "-1"), "--w-max"),
         (("certify", TASK, "nowhere.c", "nowhere.json"), "nowhere.c cannot be read"),
-        (("certify", TASK, TASK, TASK), "give task, C file, certificate"),
+        (("certify", TASK, TASK, TASK), "a file is not of the form that is read here"),
         (("simulate", TASK, "--design", "literal"), TASK),
         (("design", TASK, "--design", "literal"), TASK),
         (("check", "nowhere"), "nowhere"),

@@ -35,18 +35,26 @@ HEADERS = {  # for a compiler without a C library: what the files need to know o
 
 @dataclass(frozen=True)
 class Core:
-    """A core's compiler and flags. contracts: whether it would fuse without the pragma; needs_headers: whether it has no C library."""
+    """A core's compiler and flags. contracts: whether it would fuse without the pragma; needs_headers: whether it has no C library;
+    has_doubles: whether its double has 53 bits, without which a controller in double is refused."""
 
     name: str
     command: str
     contracts: bool = True
     needs_headers: bool = False
+    has_doubles: bool = True
 
 
 CORES = [
-    Core("Arduino AVR", "avr-gcc -mmcu=atmega328p -Os -std=gnu11 -ffunction-sections -fdata-sections", contracts=False),
+    Core(
+        "Arduino AVR",
+        "avr-gcc -mmcu=atmega328p -Os -std=gnu11 -ffunction-sections -fdata-sections",
+        contracts=False,
+        has_doubles=False,
+    ),
     Core("STM32 F4", f"arm-none-eabi-gcc -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 {STM32} -std=gnu17"),
     Core("STM32 F7, H7", f"arm-none-eabi-gcc -mcpu=cortex-m7 -mfpu=fpv5-d16 {STM32} -std=gnu17"),
+    Core("Cortex-M55, with half precision", "arm-none-eabi-gcc -mcpu=cortex-m55 -mthumb -mfloat-abi=hard -O2 -std=gnu17"),
     Core("Teensy 4", "arm-none-eabi-gcc -mcpu=cortex-m7 -mfpu=fpv5-d16 -mthumb -mfloat-abi=hard -O2 -std=gnu11"),
     Core("Arduino SAMD51", "arm-none-eabi-gcc -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mthumb -mfloat-abi=hard -O3 -std=gnu11"),
     Core("PlatformIO, its default", f"arm-none-eabi-gcc -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 {STM32}"),
@@ -55,6 +63,7 @@ CORES = [
     Core("ESP32", "xtensa-esp32-elf-gcc -Os -std=gnu17"),
     Core("x86 with FMA", "gcc -O2 -mfma -std=gnu17"),
     Core("x86 of this decade", "gcc -O3 -march=haswell -std=gnu17"),
+    Core("x86 with half precision", "gcc -O2 -march=sapphirerapids -std=gnu17"),
     Core("x86 with FMA, clang", "clang -O2 -mfma -std=gnu17", contracts=False),  # it fuses within an expression alone
     Core(
         "ARM, clang",
@@ -113,6 +122,11 @@ def test_no_core_fuses_a_product_and_a_sum(core: Core, tool, tmp_path: Path) -> 
         folder.mkdir()
         sources = write(folder, controller)
         assert len(sources) >= (2 if label == "closed axes" else 1)
+        if "double" in label and not core.has_doubles:
+            with pytest.raises(subprocess.CalledProcessError) as refusal:
+                assembly(core, sources[0], tool)
+            assert "double is not IEEE-754's here" in refusal.value.stderr
+            continue
         counts = {source.name: len(FUSED.findall(assembly(core, source, tool))) for source in sources}
         assert counts == dict.fromkeys(counts, 0), label
         if core.contracts and label in ("omni_s2", "closed axes"):

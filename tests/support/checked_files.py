@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from unittest import mock
 
 from stt_codegen.checker import check_files
-from stt_codegen.checker.stt_checker import claims
+from stt_codegen.checker.stt_checker import files as checker_files
 from stt_codegen.checker.stt_checker.task import Task
 from tests.support.controllers import ROOT
 
@@ -90,5 +90,5 @@ def verdict(files: Files, folder: Path) -> Verdict:
 
 def verdict_of_proof(files: Files, folder: Path) -> Verdict:
     """Run the checker without its comparison of hashes and listings, so that only the proof of the numbers can refuse."""
-    with mock.patch.object(claims, "_check_files"), mock.patch.object(claims, "_check_listings"):
+    with mock.patch.object(checker_files, "check_hashes"), mock.patch.object(checker_files, "check_listings"):
         return verdict(files, folder)

@@ -15,6 +15,7 @@ from unittest import mock
 
 from stt_codegen.checker.stt_checker import claims, controller, limits, period, source
 from stt_codegen.checker.stt_checker.exact import units_above
+from stt_codegen.checker.stt_checker.files import design_hash
 from stt_codegen.checker.stt_checker.law import Law
 from stt_codegen.checker.stt_checker.rounding import arithmetic_error
 from stt_codegen.checker.stt_checker.starts import covered_starts
@@ -101,7 +102,7 @@ def forged_files(text: str, design: ForgedDesign) -> Files:
     files = {"task.toml": text.encode()}
     with mock.patch.object(controller, "require_in_range"), mock.patch.object(source, "require_in_range"):
         values = controller.values_of(task, tube, law, covered_starts(task, tube, law))
-        values["hash"] = claims.design_hash(task, tube, law, design.unit_bits)
+        values["hash"] = design_hash(task, tube, law, design.unit_bits)
         for listing, end in (("controller", "c"), ("header", "h")):
             words = source.fill(listing, controller.options_of(task, law, False), task.name, values)
             data = files[f"{task.name}.{end}"] = spelled_out(words, scalar).encode()

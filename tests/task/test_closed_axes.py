@@ -643,13 +643,13 @@ ATTACKS: dict[str, tuple[Callable[[dict[str, Any], dict[str, str]], None], str]]
     ),
     "another period in the header": (
         lambda _, texts: texts.update({"turner.h": texts["turner.h"].replace("TURN_2 6.283F", "TURN_2 6.284F")}),
-        "turner.h has '6.284F' where",
+        "turner.h has '6.284F' in line",
     ),
     "no period in the header": (
         lambda _, texts: texts.update({"turner.h": re.sub(r"#define TURNER_TURN_2 .*\n", "", texts["turner.h"])}),
         "turner.h has",
     ),
-    "no unwrapping": (lambda document, _: document["sha256"].pop("turner_unwrap.c"), "other hashes"),
+    "no unwrapping": (lambda document, _: document["sha256"].pop("turner_unwrap.c"), "lacks a hash"),
     "less noise": (lambda document, _: document["sampled"]["plant"].update(noise="1/1000"), "sampled plant is not the task's"),
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from stt_codegen.checker.stt_checker import claims as checked_claims
+from stt_codegen.checker.stt_checker import files as checked_files
 from stt_codegen.checker.stt_checker import sets as checked_sets
 from stt_codegen.checker.stt_checker import task as checked_task
 from stt_codegen.program.targets import optional_targets
@@ -37,7 +37,7 @@ def test_the_checker_knows_the_fields_of_every_shape_and_no_others() -> None:
 
 
 def test_the_checker_knows_the_files_of_every_language_that_it_does_not_read() -> None:
-    assert sorted(checked_claims.OTHER_LANGUAGES) == sorted(suffix for target in optional_targets() for suffix in target.suffixes)
+    assert sorted(checked_files.OTHER_LANGUAGES) == sorted(suffix for target in optional_targets() for suffix in target.suffixes)
 
 
 def test_coq_reads_the_readable_keys_and_unread_keys_are_keys_of_a_task() -> None:

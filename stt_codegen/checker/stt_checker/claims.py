@@ -1,12 +1,11 @@
 """The certificate against the task, the C and the header: its hashes, its numbers and its claims."""
 
-import hashlib
 import json
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from . import controller, inertia, limits, period, source
+from . import controller, files, inertia, limits, period, source
 from . import tube as tubes
 from .exact import Numbers, fractions, integers, require, rounded, units_above
 from .law import Law
@@ -19,8 +18,8 @@ LAW_ERROR = {  # by scalar and whether the logarithm is inline, see docs/certifi
     ("float", False): Fraction(1, 1 << 19), ("double", False): Fraction(1, 1 << 46), ("fixed", False): Fraction(1, 1 << 10),
     ("float", True): Fraction(1, 1 << 14), ("double", True): Fraction(1, 1 << 14),
 }  # fmt: skip
+CUT_LIMIT = 1 << 20  # of a segment into parts
 KEYS = "format task certified design method order scalar sha256 grid edge_error speed start covers_initial_set control claims"
-OTHER_LANGUAGES = (".rs",)  # files of which nothing is known but their hash
 
 
 def same(value: Any, wanted: Any) -> bool:
@@ -39,20 +38,21 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     if scalar == "fixed":
         from .integers import Integers
 
-        target: Any = Integers(text, task, certificate["integers"])
-        entries = [v * unit for v in target.tables["coefficients"]]
+        integer_controller: Any = Integers(text, task, certificate["integers"])
+        entries = [v * unit for v in integer_controller.tables["coefficients"]]
     else:
-        target, entries = None, source.real_table(text, f"{task.name}_coefficients", bits)
+        integer_controller, entries = None, source.real_table(text, f"{task.name}_coefficients", bits)
     tube = tubes.Tube(entries, task.n, unit, task.t_c, seam)
     segments = certificate["grid"]["segments"]
     require(segments == tube.segments and task.segments in (None, segments), "the C has another number of segments")
 
     # the law's constants, how far the arithmetic moves edges and rates (P7), and the start
-    law = _read_law(task, tube, certificate, target)
+    law = _read_law(task, tube, certificate, integer_controller)
     _check_start(task, tube, certificate)
 
     # P1 to P6, P8 and P10, in the order of the claims
-    claims, edge_error = [dict(claim) for claim in certificate["claims"]], max(law.edge_claims)
+    claims, edge_error = list(certificate["claims"]), max(law.edge_claims)
+    require(all(type(claim) is dict for claim in claims), "a claim is no object")
     tubes.prove(task, tube, claims, cuts, edge_error)
     if task.order == 2:
         inertia.prove(task, tube, claims, cuts, law)
@@ -61,7 +61,7 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     if "mission" in task.document:
         from .mission import Mission
 
-        clock_error = target.clock_error / segments if target else Fraction(4, 1 << bits)
+        clock_error = integer_controller.clock_error / segments if integer_controller else Fraction(4, 1 << bits)
         Mission(task).prove(tube, edge_error, (claims, cuts), certificate["mission"], clock_error)
     else:
         require(not claims, "the certificate claims more than is known here")
@@ -69,8 +69,15 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     # P9, and the files
     if task.period is not None:
         _check_sampling(task, tube, certificate["sampled"], law)
-    _check_files(task, certificate["sha256"], text, folder)
-    _check_listings(task, tube, law, certificate, (text, folder), target=target)
+    files.check_hashes(task, certificate["sha256"], text, folder)
+    listed, beside = files.files_of(task, certificate["sha256"])
+    has_phase, starts = f"{task.name}_phase.c" in beside, covered_starts(task, tube, law)
+    if integer_controller:  # in integers: no value leaves 32 bits, and u is (13)
+        options, values = integer_controller.prove(tube, law, certificate["grid"]["unit_bits"], has_phase, starts)
+    else:
+        options, values = controller.options_of(task, law, has_phase), controller.values_of(task, tube, law, starts)
+    values["hash"] = files.design_hash(task, tube, law, certificate["grid"]["unit_bits"])
+    files.check_listings(task, law, text, folder, files=listed, options=options, values=values)
     properties = {"P1 to " + ("P8" if task.proves_limits else "P7"): True, "P9": task.period, "P10": "mission" in task.document}
     proved = " and ".join(name for name, is_proved in properties.items() if is_proved)
     return f"{proved} hold, and the C is the listing of this tube and this law; {segments} segments, {task.n} dimensions"
@@ -81,16 +88,16 @@ def _check_keys(task: Task, certificate: dict[str, Any]) -> str:
     stated = {"sampled": task.period is not None, "mission": "mission" in task.document, "clock": task.clock is not None}
     stated |= {"filter": task.order == 2, "rate_error": task.order == 2, "integers": certificate.get("scalar") == "fixed"}
     keys = {*KEYS.split(), *(key for key, is_stated in stated.items() if is_stated)}
-    if certificate.get("format") == 2:
-        require(False, "the certificate has format 2; make it again with a newer stt-codegen")
+    require(certificate.get("format") != 2, "the certificate has format 2; make it again with a newer stt-codegen")
     require(
         {*certificate} == keys, f"the certificate lacks a key or has an unknown one: {', '.join(sorted({*certificate} ^ keys))}"
     )
     wanted: dict[str, Any] = {"format": 3, "task": task.name, "certified": True, "method": "exact", "order": task.order}
     for key, value in (wanted | ({"clock": task.clock} if task.clock else {})).items():
-        require(same(certificate[key], value), f"the certificate's {key} is {certificate[key]!r:.80}, the task's {value!r:.80}")
+        require(same(certificate[key], value), f"the certificate's {key} is {certificate[key]!r:.80}; it must be {value!r:.80}")
     scalar = certificate["scalar"]
-    require(scalar in BITS and not (scalar == "fixed" and task.turns), "the scalar is unknown here")
+    require(scalar in BITS, "the scalar is unknown here")
+    require(scalar != "fixed" or not task.turns, "a controller in integers with axes that close is unknown here")
     return str(scalar)
 
 
@@ -102,17 +109,17 @@ def _check_grid(grid: Any, task: Task) -> tuple[Fraction, int, int | None]:
     has_integers = all(type(v) is int for v in grid.values()) and abs(grid["unit_bits"]) < 200
     require(has_integers, "the certificate's grid is not of whole numbers")
     cuts = grid["cuts"]
-    require(cuts > 0 and cuts & (cuts - 1) == 0, "cuts is no power of two")
+    require(0 < cuts <= CUT_LIMIT and cuts & (cuts - 1) == 0, f"cuts is no power of two up to {CUT_LIMIT}")
     return Fraction(2) ** -grid["unit_bits"], cuts, grid.get("seam")
 
 
-def _read_law(task: Task, tube: tubes.Tube, certificate: dict[str, Any], target: Any) -> Law:
-    """Return the law of the certificate, with P7 computed here. target: the controller in integers, where it is one."""
+def _read_law(task: Task, tube: tubes.Tube, certificate: dict[str, Any], integer_controller: Any) -> Law:
+    """Return the law of the certificate, with P7 computed here. integer_controller: None where the C is in floating point."""
     scalar, bits = certificate["scalar"], BITS[certificate["scalar"]]
     gain, filters = _check_constants(task, certificate, bits, scalar)
-    if target:
-        target.check_clock(tube)
-    error_of = target.arithmetic_error if target else arithmetic_error
+    if integer_controller:
+        integer_controller.check_clock(tube)
+    error_of = integer_controller.arithmetic_error if integer_controller else arithmetic_error
     edge_error, rate_error = error_of(tube, bits), error_of(tube, bits, 1) if task.order == 2 else []
     edge_claims = integers(certificate["edge_error"], task.n)
     rate_claims = integers(certificate["rate_error"], task.n) if task.order == 2 else []
@@ -153,7 +160,8 @@ def _check_constants(task: Task, certificate: Any, bits: int, scalar: str) -> tu
 
 def _check_start(task: Task, tube: tubes.Tube, certificate: Any) -> None:
     """Require what the certificate says about the tube's speed and its start."""
-    require(integers(certificate["speed"], task.n) == [tube.fastest(i) for i in range(task.n)], "its speed is not the tube's")
+    speed = [tube.fastest(i) for i in range(task.n)]
+    require(integers(certificate["speed"], task.n) == speed, "the certificate's speed is not the tube's")
     require(same(certificate["start"], [list(v) for v in tube.start]), "the certificate's start is not the tube's")
     lack = [
         max(s[0] * tube.unit - a, b - s[1] * tube.unit) * 1000 - (b - a) for s, a, b in zip(tube.start, *task.start, strict=True)
@@ -178,52 +186,3 @@ def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
     require(all(a <= b for a, b in zip(largest, u, strict=True)), "P9 does not hold: |u| may be more than is claimed")
     if task.turns:
         task.turns.prove_steps(tube, u, law.filters)
-
-
-def _files_of(task: Task, hashes: dict[str, str]) -> tuple[dict[str, str], set[str]]:
-    """Return the C files by the name of their listing, and the C files of which nothing is known but their hash."""
-    name, has_phase = task.name, "mission" in task.document and f"{task.name}_phase.c" in hashes
-    small = {"guard": task.outside != "return", "wrap": task.repeats, "unwrap": bool(task.turns)}
-    files = {"controller": f"{name}.c", "header": f"{name}.h"} | {
-        k: f"{name}_{k}.c" for k, is_present in small.items() if is_present
-    }
-    return files, {f"{name}_{k}.c" for k, v in {"selftest": task.selftest, "phase": has_phase}.items() if v}
-
-
-def _check_files(task: Task, hashes: dict[str, str], text: bytes, folder: Path) -> None:
-    """Require that every file has the certificate's hash; of those that are not there nothing is said."""
-    listed, beside = _files_of(task, hashes)
-    languages = {f for f in hashes if f.removeprefix(task.name) in OTHER_LANGUAGES}
-    known = {"task_data", f"{task.name}.py", *listed.values(), *beside}
-    require({*hashes} - languages == known, "the certificate has other hashes than it should")
-    require(hashes["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
-    for file in {*hashes} - {"task_data"}:
-        data = text if file == f"{task.name}.c" else (folder / file).read_bytes() if (folder / file).exists() else None
-        is_same = data is None or hashes[file] == hashlib.sha256(data).hexdigest()
-        require(is_same, f"{file} is not that of the certificate (SHA-256)")
-
-
-def _check_listings(task: Task, tube: Any, law: Law, certificate: Any, c: tuple[bytes, Path], *, target: Any) -> None:
-    """Require that the C, the header and the small files are the listings, filled with the numbers of task and certificate. c:
-    the text of the C, and the folder of the files beside it."""
-    files, beside = _files_of(task, certificate["sha256"])
-    has_phase, unit_bits, (text, folder) = f"{task.name}_phase.c" in beside, certificate["grid"]["unit_bits"], c
-    starts = covered_starts(task, tube, law)
-    if target:
-        options, values = target.prove(tube, law, unit_bits, has_phase, starts)
-    else:
-        options, values = controller.options_of(task, law, has_phase), controller.values_of(task, tube, law, starts)
-    values["hash"] = design_hash(task, tube, law, unit_bits)
-    for listing, file in files.items():
-        data = text if listing == "controller" else (folder / file).read_bytes()
-        wanted = source.fill(f"integer {listing}" if target else listing, options, task.name, values)
-        source.compare(file, data, wanted, law.scalar == "float", 53 if target else law.bits)
-
-
-def design_hash(task: Task, tube: Any, law: Law, unit_bits: int) -> str:
-    """Return the 16 hexadecimal digits that name the design in the header."""
-    design: dict[str, Any] = {"prescribed_time": str(task.t_c), "segments": tube.segments, "bits": unit_bits, "table": tube.table}
-    design |= {"filter": [str(v) for v in law.filters]} if law.filters else {}
-    design |= {} if tube.seam is None else {"seam": tube.seam}
-    data = {"task": task.digest, "scalar": law.scalar, "design": design}
-    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]

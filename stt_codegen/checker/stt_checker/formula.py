@@ -132,8 +132,8 @@ def of_entry(table: Any, t_c: Fraction, repeats: bool) -> Formula:
     visit = ("always", (ZERO, stay), visit) if stay else visit
     if "then" in table:
         visit = joined("and", visit, ("eventually", (stay, stay + gap), ("in", str(table["then"]))))
-    if stay < 0 or not 0 <= begin <= end or gap <= 0:
-        raise Unusable("the task has a visit in no time")
+    if stay < 0 or not 0 <= begin <= end or gap <= 0 or ("within" in table and "then" not in table):
+        raise Unusable("the task has a visit in no time, or `within` without `then`")
     return ("eventually", (begin, end), visit)
 
 

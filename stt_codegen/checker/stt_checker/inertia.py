@@ -67,4 +67,6 @@ def prove(task: Any, tube: Tube, claims: list, cuts: int, law: Law) -> None:
         unit = tube.unit / common**2
         for i, input_margin in enumerate(input_margins(task, law.bits)):
             largest = max(v for piece in demands for c in piece[i] for v in c)
-            require(input_margin - largest > (claim["margin"] - 1) * unit, "P8 does not hold: u_max is too small")
+            require(
+                input_margin - largest > (claim["margin"] - 1) * unit, f"P8 does not hold: u_max is too small in {task.names[i]}"
+            )

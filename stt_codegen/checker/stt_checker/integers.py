@@ -207,6 +207,8 @@ class Integers:
         numerator, denominator = (1 / task.tick).as_integer_ratio()
         bits = {"x": x_bits, "u": stated["u_bits"]}
         tables = self.tables | {name: [int(v) for v in table] for name, table in starts.items()}
+        is_inside = all(abs(v) < 1 << 31 for name in starts for v in tables[name])
+        require(is_inside, "a bound of the covered starts has more than 32 bits; the noise is too large")
         of_varying_type = ("coefficients", "filters", *starts)
         sizes = {name: source.entry_bits(table) for name, table in tables.items() if name in of_varying_type}
         return {

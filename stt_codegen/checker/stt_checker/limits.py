@@ -35,4 +35,4 @@ def prove(task: Any, tube: Tube, claims: list, cuts: int, bits: int) -> None:
             low, high = piece[i]
             rates = [3 * (b - a) for a, b in itertools.pairwise(low)] + [3 * (a - b) for a, b in itertools.pairwise(high)]
             fastest = max(abs(v) if task.scales else v for v in rates)
-            require(fastest + margin <= allowed, "P8 does not hold: u_max is too small")
+            require(fastest + margin <= allowed, f"P8 does not hold: u_max is too small in {task.names[i]}")

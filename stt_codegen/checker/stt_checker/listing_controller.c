@@ -51,9 +51,13 @@ static const P_real P_filtered_start_upper[$n] = { $filtered_start_upper };  [or
 #if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
 #error "P.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)  [float]
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)  [double]
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)  [float]
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1) && (FLT_EVAL_METHOD != 16)  [double]
 #error "P.c: compile for $scalar arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+#if FLT_MANT_DIG != 24  [float]
+#if DBL_MANT_DIG != 53  [double]
+#error "P.c: $scalar is not IEEE-754's here, for which rounding is bounded"
 #endif
 /* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
 #if defined(__clang__)

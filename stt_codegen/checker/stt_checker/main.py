@@ -33,25 +33,28 @@ def plain(problem: object) -> str:
 
 def main(arguments: list[str]) -> int:
     """Run the check and print one line."""
-    if arguments == ["--meaning"]:
-        from . import meaning
-
-        return meaning.main()
-    if len(arguments) != 3:
+    if arguments != ["--meaning"] and len(arguments) != 3:
         print((__doc__ or "").strip(), file=sys.stderr)
         return 2
     try:
+        if arguments == ["--meaning"]:
+            from . import meaning
+
+            meaning.check_meaning()
+            print("checker: the listings compute the tube and the law, and round no more than rounding.py and integers.py say")
+            return 0
         data, text, proof = (Path(a).read_bytes() for a in arguments)
         task, certificate = Task(data), json.loads(proof)
         if not isinstance(certificate, dict) or certificate.get("design") != "refined":
             raise Unusable("the certificate is not of a refined tube; only those can be checked here")
+        # read again: decimals are refused only now, since certificates of other tubes have them
         certificate = json.loads(proof, parse_float=refuse_decimal, object_pairs_hook=refuse_duplicates)
         proved = check(task, certificate, text, Path(arguments[1]).parent)
     except Refused as problem:
         print(f"checker: refused: {plain(problem)}")
         return 1
     except Exception as problem:  # whatever a file does to the checker, the answer is not "verified"
-        reason = f"give task, C file, certificate ({type(problem).__name__}: {plain(problem)})"
+        reason = f"a file is not of the form that is read here ({type(problem).__name__}: {plain(problem)})"
         reason = f"{plain(problem.filename)} cannot be read ({problem.strerror})" if isinstance(problem, OSError) else reason
         print(f"checker: cannot check: {plain(problem) if isinstance(problem, Unusable) else reason}", file=sys.stderr)
         return 2

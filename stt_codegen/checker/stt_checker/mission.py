@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from .exact import Unusable, require
@@ -14,7 +15,7 @@ from .tube import Piece, Tube, avoids, by_segment, part_of
 DEEPEST_HALVING = 12  # of a piece whose hull is too coarse
 HALF = Fraction(1, 2)
 CHOICE_LIMIT = 400  # regions of a choice
-CELL_LIMIT = 1 << 16  # into which the edges of boxes cut a piece of the tube
+CELL_LIMIT = 1 << 18  # cells into which the edges of boxes cut a piece of the tube, times the boxes
 
 
 class Mission:
@@ -23,6 +24,7 @@ class Mission:
     def __init__(self, task: Any) -> None:
         self.task, self.regions, self.sizes = task, dict[str, Any](), dict[str, int]()  # size: the regions that a choice is of
         self.sets = dict[str, Inside]()  # regions to be in that are no boxes
+        self.edges = cache(self.edges_of)
         for table in task.document.get("region", []):
             name, members = str(table["name"]), table.get("any_of")
             if members is None:
@@ -49,7 +51,7 @@ class Mission:
         members = self.regions[parts[0]].get("any_of")
         return f if members is None else joined("or" if kind == "in" else "and", *(self.written_out((kind, m)) for m in members))
 
-    def edges(self, f: Formula) -> list[Interval] | None:
+    def edges_of(self, f: Formula) -> list[Interval] | None:
         """Return the edges of a region that is a box, None of another region. One to avoid is larger by body and clearance."""
         table = self.regions[f[1]]
         if "lower" not in table:
@@ -79,7 +81,8 @@ class Mission:
                 a, b = (min(low) - margin) * unit, (max(high) + margin) * unit
                 ends = [a, *sorted({v for e in edges for v in (e or [])[i] if a < v < b}), b]
                 cells.append([(p + q) / 2 for p, q in itertools.pairwise(ends)])
-            require(math.prod(map(len, cells)) <= CELL_LIMIT, "a formula has more boxes than can be checked in good time")
+            is_small = math.prod(map(len, cells)) * len(edges) <= CELL_LIMIT
+            require(is_small, "a formula has more boxes than can be checked in good time")
             holds = all(self.holds_at(f, point) for point in itertools.product(*cells))
         else:
             require(f[0] == "in", "the certificate claims a choice of regions that are not boxes")

@@ -60,8 +60,10 @@ def hull_faces(corners: list[list[Fraction]], d: int) -> list[HalfSpace]:
     """Return every plane through d of the points that has all others on one side."""
     if d > 3 or len(corners) > 64:
         raise Unusable("the task has a set of too many points or dimensions")
-    faces = []
+    faces = list[HalfSpace]()
     for first, *rest in itertools.combinations(corners, d):
+        if any(all(dot(normal, p) == height for p in (first, *rest)) for normal, height in faces):
+            continue  # a plane that is known
         u = [[b - a for a, b in zip(first, p, strict=True)] for p in rest]
         if d == 3:
             normal = [u[0][j] * u[1][k] - u[0][k] * u[1][j] for j, k in ((1, 2), (2, 0), (0, 1))]

@@ -9,7 +9,6 @@ import re
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
-from itertools import zip_longest
 from typing import Any
 
 from .exact import Refused, require, require_in_range, rounded
@@ -24,9 +23,15 @@ TOKEN = re.compile(
 
 def tokens(text: str) -> list[str]:
     """Return the tokens of C without its comments; of a directive its words, and the end of its line."""
+    return [word for word, _ in numbered_tokens(text)]
+
+
+def numbered_tokens(text: str) -> list[tuple[str, int]]:
+    """Return the tokens, each with the number of its line."""
+    require("\r" not in text, "a C file has carriage returns; something has changed its line ends")
     is_plain = re.fullmatch(r"[\n -~]*", text) is not None and "\\" not in text and "??" not in text
-    require(is_plain, "a C file has characters that its language does not need")
-    words, at = list[str](), 0
+    require(is_plain, "a C file has a character that no controller has: a tab, a backslash, ?? or one beyond ASCII")
+    words, at, number = list[tuple[str, int]](), 0, 1
     while at < len(text):
         match = TOKEN.match(text, at)
         if match is None:
@@ -37,9 +42,10 @@ def tokens(text: str) -> list[str]:
             require(not text[: match.start()].rpartition("\n")[2].strip(" "), "a C file has a directive within a line")
             line = re.sub(r"/\*[^*]*\*/", " ", match["line"])
             require("/*" not in line and "//" not in line, f"a C file has the line {line!r}")
-            words += [*line.split(), "\n"]
+            words += [(word, number) for word in [*line.split(), "\n"]]
         elif match["skip"] is None:
-            words.append(match.group())
+            words.append((match.group(), number))
+        number += match.group().count("\n")
     return words
 
 
@@ -106,8 +112,12 @@ def is_same(token: str, wanted: str, is_single: bool, bits: int) -> bool:
 
 def compare(file: str, data: bytes, wanted: list[str], is_single: bool, bits: int) -> None:
     """Require that a C file has exactly these tokens."""
-    for a, b in zip_longest(tokens(data.decode("ascii", "replace")), wanted, fillvalue="the end"):
-        require(is_same(a, b, is_single, bits), f"{file} has {a[:60]!r} where the listing has {b!r}")
+    end = "the end"  # no token, so that a longer or a shorter file differs there
+    file_tokens = [*numbered_tokens(data.decode("ascii", "replace")), (end, data.count(b"\n"))]
+    for (token, line), expected in zip(file_tokens, [*wanted, end], strict=False):
+        if not is_same(token, expected, is_single, bits):
+            shown = f"{float(Fraction(expected[1:])):.9g}" if expected[0] == "$" else repr(expected)
+            raise Refused(f"{file} has {token[:60]!r} in line {line} where the listing has {shown}")
 
 
 def table_words(data: bytes, name: str) -> list[str]:

@@ -134,21 +134,22 @@ def prove(task: Any, tube: Tube, claims: list, cuts: int, error: int) -> None:
 
     claim = take_claim(claims, "P1", [0, end], 2 * error)
     narrowest = task.min_width / unit + claim["margin"]
-    require(
-        all(h - v >= narrowest for piece in pieces(claim) for edges in piece for v, h in zip(*edges, strict=True)),
-        "P1 does not hold",
-    )
+    for piece in pieces(claim):
+        for name, edges in zip(task.names, piece, strict=True):
+            is_wide = all(b - a >= narrowest for a, b in zip(*edges, strict=True))
+            require(is_wide, f"P1 does not hold: the tube is narrower than min_width in {name}")
 
     margin = take_claim(claims, "P2", [0, 0], error)["margin"]
-    has_state = all(a + margin <= x / unit <= b - margin for (a, b), x in zip(tube.start, task.state, strict=True))
-    is_within = all(
-        low / unit + margin <= a and b + margin <= high / unit for (a, b), low, high in zip(tube.start, *task.start, strict=True)
-    )
-    require(has_state and is_within, "P2 does not hold")
+    for name, (a, b), x, low, high in zip(task.names, tube.start, task.state, *task.start, strict=True):
+        has_state = a + margin <= x / unit <= b - margin
+        require(has_state, f"P2 does not hold: {name} of initial_state is not between the tube's edges at 0")
+        is_within = low / unit + margin <= a and b + margin <= high / unit
+        require(is_within, f"P2 does not hold: the tube at 0 is not within initial_set in {name}")
 
     claim = take_claim(claims, "P3", [0, end], error)
     hulls = ([(low[k], high[k]) for low, high in piece] for piece in pieces(claim) for k in range(4))
-    require(all(task.space.contains(edges, claim["margin"], unit) for edges in hulls), "P3 does not hold")
+    is_within = all(task.space.contains(edges, claim["margin"], unit) for edges in hulls)
+    require(is_within, "P3 does not hold: the tube leaves the state space")
 
     for obstacle in task.unsafe:
         claim = take_claim(claims, "P4", [0, end], error, set=obstacle.name)
@@ -156,7 +157,7 @@ def prove(task: Any, tube: Tube, claims: list, cuts: int, error: int) -> None:
 
     if task.reaches:
         claim = take_claim(claims, "P5", [end, end], error)
-        require(task.target.contains(tube.end, claim["margin"], unit), "P5 does not hold")
+        require(task.target.contains(tube.end, claim["margin"], unit), "P5 does not hold: the tube at t_c is not in the target")
 
     last = tube.table[-3:]
     is_smooth = all(row == last[0] for row in last[3 - task.order :])
@@ -175,7 +176,8 @@ def take_claim(claims: list, code: str, on: list[int], needed: Any, **more: Any)
     """Return the next claim, which must be about this property. needed: the margin that it must have; None where it has none."""
     claim = claims.pop(0) if claims else {}
     wanted = {"property": code, "on": on, **more}
-    is_wanted = {k: v for k, v in claim.items() if k not in ("margin", "hints")} == wanted and type(claim["on"]) is list
+    optional = ("margin", "hints") if code in ("P1", "P3", "P4") else ("margin",)
+    is_wanted = {k: v for k, v in claim.items() if k not in optional} == wanted and type(claim["on"]) is list
     require(is_wanted and all(type(v) is int for v in claim["on"]), f"the certificate does not claim {wanted}")
     if needed is None:
         require("margin" not in claim, f"{code} is claimed with a margin that it does not have")

@@ -22,8 +22,11 @@
 #if defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
 #error "omni_s2.c: compile without -funsafe-math-optimizations, -fassociative-math, -freciprocal-math: they change rounding"
 #endif
-#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
 #error "omni_s2.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+#if FLT_MANT_DIG != 24
+#error "omni_s2.c: float is not IEEE-754's here, for which rounding is bounded"
 #endif
 /* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
 #if defined(__clang__)
