@@ -166,6 +166,10 @@ JOBS = (
             ("fractions", "not symbolic", "A wrong statement of a listing is noticed by --meaning."),
         )
     ),
+    slow_tests(
+        "certify/integer_mutants", "A wrong statement of the listing in integers is noticed by symbols, or by results in C.", 5,
+        tools=("gcc",), dist="load",
+    ),
     slow_tests("cli/cli", "A command whose reader closes the pipe ends without an error.", 1),
     slow_tests(
         "program/enclosure", "The proof by enclosures never accepts a tube that fails at a sample.", 1,

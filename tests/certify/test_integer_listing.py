@@ -6,11 +6,9 @@ bits. Here the spans of all values are computed, for emitted controllers and for
 
 from __future__ import annotations
 
-import ctypes
 import itertools
 import json
 import math
-import subprocess
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -23,13 +21,13 @@ import pytest
 
 from stt_codegen.checker.stt_checker import source
 from stt_codegen.checker.stt_checker.exact import Refused
-from stt_codegen.checker.stt_checker.integers import RATE_POWER_ERROR, WEIGHT_ERROR, Integers
+from stt_codegen.checker.stt_checker.integers import Integers
 from stt_codegen.checker.stt_checker.task import Task
 from stt_codegen.checker.stt_checker.tube import Tube
 from tests.support.controllers import ROOT, controller_of
-from tests.support.listings.changes import replaced_text
-from tests.support.listings.integer_ranges import IntegerRanges
-from tests.support.listings.integer_run import ARITHMETIC, HALF, IntegerRun, integer_functions, results_at_every_s
+from tests.support.listings.changes import changed_pieces, replaced_text
+from tests.support.listings.integer_ranges import UINT32_SPAN, IntegerRanges
+from tests.support.listings.integer_run import IntegerRun, integer_functions, results_at_every_s
 from tests.support.listings.reader import Block, Function, Statement, UnknownMeaning
 from tests.support.listings.tasks import TASKS_OF_INTEGERS, build, compared_files
 
@@ -156,6 +154,39 @@ def test_numbers_beyond_the_comparisons_are_refused_by_them_and_by_the_spans(
         IntegerRanges(integer_functions(task.options, values), values).check()
 
 
+@pytest.mark.parametrize(("order", "factor"), [(1, 4), (2, 2)])
+def test_a_larger_x_leaves_32_bits(order: int, factor: int, filled: dict[str, Filled]) -> None:
+    """For order 2 the same holds of lambda and of v, twice as large. For order 1 the spans allow 2^29 too, since an edge is between
+    its entries; the checker's docstring has a coarser bound."""
+    task, more = filled[ORDERS[order]], (factor - 1) * (LARGEST_X[order] // 6)
+    values = extreme_numbers(order, task, FLATTEST_ROW, **RATES[0])
+    farther = [v + more if v > 0 else v - more for v in values["coefficients"]]
+    beyond = [values | {"largest_x": factor * values["largest_x"], "coefficients": farther}]
+    beyond += [values | {"filter_scale": 8}] if order == 2 else []
+    for numbers in beyond:
+        with pytest.raises(UnknownMeaning):
+            IntegerRanges(integer_functions(task.options, numbers), numbers).check()
+    if order == 2:
+        wider = [line.replace(str(1 << 28), str(1 << 29)) for line in source.pieces()["limited v"]]
+        with changed_pieces({"limited v": wider}), pytest.raises(UnknownMeaning):
+            IntegerRanges(integer_functions(task.options, values), values).check()
+
+
+@pytest.mark.parametrize(("label", "last"), [("long", (1 << 31) - 1), ("long", 1 << 16), ("selftest", (1 << 16) - 1)])
+def test_the_comparisons_of_the_clock_are_as_large_as_32_bits_allow(label: str, last: int, filled: dict[str, Filled]) -> None:
+    """`check_clock` requires (last/2^16 + 1) clock_scale < 2^31, and K 2^clock_bits <= 2^31. A thousandth more leaves 32 bits."""
+    task, largest = filled[label], ((1 << 31) - 1) // ((last >> 16) + 1)
+
+    def span_of_segment(**constants: int) -> None:
+        values = task.values | {"ticks": last, "clock_bits": 16, "pairs": 2, "tick_end": (1 << 31) - 1} | constants
+        IntegerRanges(integer_functions(task.options, values), values).results("segment", UINT32_SPAN)
+
+    span_of_segment(clock_scale=largest)
+    for beyond in ({"clock_scale": largest + (largest >> 10)}, {"clock_scale": largest, "tick_end": 1 << 31}):
+        with pytest.raises(UnknownMeaning):
+            span_of_segment(**beyond)
+
+
 @pytest.mark.parametrize(
     ("heading", "old", "new"),
     [
@@ -178,43 +209,7 @@ def test_a_listing_that_may_leave_32_bits_is_refused(heading: str, old: str, new
         IntegerRanges(functions, values).check()
 
 
-# ------------------------------------------------------------------------------------------------ weights and rates
-
-
-def test_the_errors_of_all_weights_are_the_checker_s_constants(filled: dict[str, Filled]) -> None:
-    """At every s, in units of 2^-48 of a step: the outer two weights together and the middle one, which are of different steps."""
-    functions = filled[ORDERS[2]].functions
-    w0, w1, w2 = ([int(v) for v in column] for column in results_at_every_s(functions["weights"].tokens))
-    assert (max(w0), max(w1), max(w2)) == (1 << 15, 65535, (1 << 15) - 1)
-    assert min(*w0, *w1, *w2) >= 0
-    unity = 1 << 16
-    outer = max(abs((a << 33) - (unity - s) ** 3) + abs((c << 33) - s**3) for s, a, c in zip(HALF, w0, w2, strict=True))
-    inner = max(abs((b << 34) - s * (3 * unity * unity + s * (3 * unity - 2 * s))) for s, b in zip(HALF, w1, strict=True))
-    assert Fraction(outer + inner, 1 << 48) == WEIGHT_ERROR
-    values = filled[ORDERS[2]].values | {"rate_mantissa": 65536, "rate_shift": 0, "rate_half": 0}
-    tokens = integer_functions(filled[ORDERS[2]].options, values)["rates"].tokens
-    with pytest.raises(UnknownMeaning, match="gets other numbers"):  # such a mantissa has 17 bits; no controller has it
-        results_at_every_s(tokens)
-    assert power_error(tokens) == RATE_POWER_ERROR
-
-
-def power_error(tokens: Sequence[str]) -> Fraction:
-    """Return how far the powers of s in the weights of a rate are off together, as for a mantissa of 2^16: what is left of the statements
-    before the products with it."""
-    text = " ".join(tokens)
-    lines = [line for line in text.split(" ; ") if "per_second" not in line and "and_half" not in line and "_weight" not in line]
-    names = ("first_tripled", "middle_tripled", "last_tripled")
-    outputs = [f"* r{k} = {name}" for k, name in enumerate(names)]
-    shortened = " ; ".join([*lines, *outputs, ""]).split()
-    columns = [[int(v) for v in column] for column in results_at_every_s(tuple(shortened))]
-    errors = Fraction(0)
-    for s, first, middle, last in zip(HALF, *columns, strict=True):
-        x = Fraction(s, 1 << 16)
-        exact = 3 * (1 - x) ** 2, 3 + 6 * x * (1 - x), 3 * x * x
-        errors = max(
-            errors, sum((abs(Fraction(a, 1 << 28) - b) for a, b in zip((first, middle, last), exact, strict=True)), Fraction(0))
-        )
-    return errors
+# ------------------------------------------------------------------------------------------------ rates
 
 
 @pytest.mark.parametrize("constants", [*RATES, {"rate_mantissa": 50000, "rate_shift": 20, "rate_half": 1 << 19, "rate_bits": 9}])
@@ -227,46 +222,6 @@ def test_the_largest_rates_are_those_of_the_comparisons(constants: dict[str, int
     assert (r1.max(), r0.max()) == (largest_1, largest_0)
     assert r2.max() <= r0.max()
     assert min(r0.min(), r1.min(), r2.min()) >= 0
-
-
-# ------------------------------------------------------------------------------------------------ the arithmetic in C
-
-HARNESS = """#include <stdint.h>
-{text}
-int32_t run(int32_t k, int32_t a, int32_t b)
-{{
-    switch (k) {{
-        case 0: return P_shift_down(a, b);
-        case 1: return P_shift_up(a, b);
-        case 2: return P_product(a, b);
-        case 3: return P_high_product(a, b);
-        case 4: return P_leading(a);
-        default: return P_low_bits(a, b);
-    }}
-}}
-"""
-
-
-@pytest.mark.parametrize("processor", ["AVR", "others"])
-def test_the_arithmetic_of_integers_is_what_its_comments_say(processor: str, tool, tmp_path: Path) -> None:
-    """Both halves of the piece, compiled here: at the ends of their operands and at random ones."""
-    (tmp_path / "avr").mkdir()
-    (tmp_path / "avr" / "pgmspace.h").write_text("#define PROGMEM\n")
-    text = "\n".join(source.chosen_lines("arithmetic of integers", set()))
-    (tmp_path / "a.c").write_text(HARNESS.format(text=text))
-    flags = ["-std=gnu11", "-O2", "-fsanitize-undefined-trap-on-error", "-fsanitize=undefined", "-I.", "-shared", "-fPIC"]
-    flags += ["-D__AVR__"] if processor == "AVR" else []
-    subprocess.run([tool("gcc"), *flags, "a.c", "-o", "a.so"], cwd=tmp_path, check=True)
-    run, random = ctypes.CDLL(str(tmp_path / "a.so")).run, Random(3)
-    for k, (name, (operation, domains)) in enumerate(ARITHMETIC.items()):
-        columns = [[d[0], d[-1], *(v for v in (0, 1, -1) if v in d), *(random.choice(d) for _ in range(60))] for d in domains]
-        if name == "low_bits":
-            columns[1] = [(1 << bits) - 1 for bits in range(32)]
-        for arguments in itertools.product(*columns):
-            wanted = operation(*arguments)
-            if name == "shift_up":
-                wanted &= 0x7FFFFFFF
-            assert run(k, *arguments, *([0] if len(arguments) == 1 else [])) == wanted, (name, arguments)
 
 
 # ------------------------------------------------------------------------------------------------ loops and arrays

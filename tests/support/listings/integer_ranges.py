@@ -41,6 +41,8 @@ class Names:
         value = literal(text)
         if value is None:
             raise UnknownMeaning(f"{text} has no span")
+        limits = UINT32_SPAN if text.endswith("U") else INT32_SPAN
+        require(is_inside((value, value), limits), f"{text} is no number of 32 bits")
         return value, value
 
 

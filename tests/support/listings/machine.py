@@ -102,6 +102,8 @@ Action = Callable[[Path], None]
 class SymbolicMachine:
     """words: the values of the words that fill the holes. scales: whether the law scales u in a loop of its own."""
 
+    number_type, path_type, opaque = "real", Path, OPAQUE  # number_type: of entries of arrays
+
     def __init__(self, listing: Listing, symbols: Symbols, words: Mapping[str, Value], scales: bool = False) -> None:
         self.listing, self.symbols, self.words, self.scales = listing, symbols, words, scales
         self.i = symbols.symbol("i")
@@ -114,7 +116,7 @@ class SymbolicMachine:
             if not pending:
                 return count
             answers = pending.pop()
-            path = Path(dict(answers), self.symbols)
+            path = self.path_type(dict(answers), self.symbols)
             specification(path)
             wanted = path.restart()
             try:
@@ -134,7 +136,8 @@ class SymbolicMachine:
         """Run a public function. Its result, or its end, is the last effect."""
         function = self.listing.functions[name]
         passings = [
-            (v.value_type, "value") if isinstance(v, Value) else ("real", "result" if v.is_result else "array") for v in arguments
+            (v.value_type, "value") if isinstance(v, Value) else (self.number_type, "result" if v.is_result else "array")
+            for v in arguments
         ]
         require([(p.value_type, p.passing) for p in function.parameters] == passings, "it has other parameters than it should")
         scope: Scope = {
@@ -200,7 +203,7 @@ class SymbolicMachine:
             scope[target] = replace(variable, value=self._typed(path, statement.value, scope, variable.value_type))
         elif kind == "store":
             array = scope.get(target)
-            value = self._typed(path, statement.value, scope, "real")
+            value = self._typed(path, statement.value, scope, self.number_type)
             is_result = isinstance(array, Array) and array.is_result
             require(is_result and self._typed_operand(statement.index, scope, "int") == self.i, f"no store may be here: {text}")
             assert isinstance(array, Array)
@@ -282,7 +285,7 @@ class SymbolicMachine:
             case Expression("call", (name, arguments)):
                 return self._call(path, name, arguments.split(" , "), scope)
             case Expression("load", (array, index)):
-                return Value("real", self._load(path, array, self._typed_operand(index, scope, "int"), scope))
+                return Value(self.number_type, self._load(path, array, self._typed_operand(index, scope, "int"), scope))
             case Expression("finite", (text,)):
                 return Value("bool", path.is_finite(self._typed_operand(text, scope, "real")))
             case Expression("choice", (condition, first, second)):
@@ -294,7 +297,7 @@ class SymbolicMachine:
             case Expression("not", (text,)):
                 return Value("bool", not self._typed_operand(text, scope, "bool"))
             case Expression("negation", (text,)):
-                return Value("real", -self._typed_operand(text, scope, "real") % PRIME)
+                return Value(self.number_type, -self._typed_operand(text, scope, self.number_type) % PRIME)
             case Expression("operation", (first, sign, second)):
                 return self._operation(path, sign, self._operand(first, scope), self._operand(second, scope))
         raise UnknownMeaning(f"this is no expression: {expression}")
@@ -351,7 +354,9 @@ class SymbolicMachine:
         function = self.listing.functions.get(kernel)
         require(function is not None and function.is_kernel, f"a call of {name}")
         assert function is not None
-        results = self._opaque(kernel, inputs) if kernel in OPAQUE else self.kernel_results(path, kernel, inputs)
+        are_outputs = [p.passing == "output" for p in function.parameters]
+        require([text[0] == "&" for text in arguments] == are_outputs, f"{name} gets its arguments in another order")
+        results = self._opaque(kernel, inputs) if kernel in self.opaque else self.kernel_results(path, kernel, inputs)
         if function.result != "void":
             require(not outputs, f"{name} has no outputs")
             return results[0]

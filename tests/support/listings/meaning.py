@@ -11,7 +11,7 @@ from functools import partial
 from stt_codegen.checker.stt_checker import source
 from tests.support.listings.field import PRIME, Symbols
 from tests.support.listings.machine import Array, Path, SymbolicMachine, Value
-from tests.support.listings.reader import PREFIX, Listing, read_listing, require
+from tests.support.listings.reader import PREFIX, Listing, Table, read_listing, require
 from tests.support.listings.specification import INTEGERS, NEGATED_NUMBERS, REAL_NUMBERS, STARTS, Specification
 
 KERNELS = "segment basis basis_rate edge_at normalized_error transformed_error law".split()
@@ -47,8 +47,8 @@ def expected_functions(options: set[str]) -> list[str]:
     return [*names, "control", *(["control_tick"] if has_ticks else []), "margin", "margins", "covered", "transform"]
 
 
-def expected_tables(options: set[str]) -> dict[str, tuple[str, str]]:
-    """Return the words for size and entries of all tables, by name and in their order."""
+def expected_tables(options: set[str]) -> dict[str, Table]:
+    """Return the words for size, entries and type of all tables, by name and in their order."""
     has_order_2 = "order 2" in options
     tables = {"coefficients": ("entries", "coefficients")}
     tables |= {"filter": ("n", "filter_table")} if has_order_2 and "filters" in options else {}
@@ -56,7 +56,7 @@ def expected_tables(options: set[str]) -> dict[str, tuple[str, str]]:
     tables |= {"e_max": ("n", "e_max_table"), "least_share": ("n", "smallest_share_table")} if "clamps" in options else {}
     tables |= {"u_max": ("n", "u_max_table")} if "limits" in options else {}
     tables |= {name: ("n", name) for name in STARTS[: 4 if has_order_2 else 2]}
-    return {name: (f"number_{size}", f"number_{entries}") for name, (size, entries) in tables.items()}
+    return {name: Table(f"number_{size}", f"number_{entries}", f"{PREFIX}_real") for name, (size, entries) in tables.items()}
 
 
 def arguments_of_functions(symbols: Symbols, options: set[str]) -> dict[str, list[Value | Array]]:
@@ -92,7 +92,7 @@ def check_meaning(options: set[str], listing: Listing | None = None) -> int:
     count = sum(check_spline_kernel(listing, name) for name in ("basis", "basis_rate", "edge_at"))
     for name in ("segment", "segment_at_tick") if "ticks" in options else ("segment",):
         time = Value("uint", symbols.symbol("tick")) if name == "segment_at_tick" else Value("real", symbols.symbol("t"))
-        count += machine.explore(name, getattr(specification, name), partial(_add_results, machine, name, [time]))
+        count += machine.explore(name, getattr(specification, name), partial(add_results, machine, name, [time]))
     for name, arguments in arguments_of_functions(symbols, options).items():
         if name in listing.functions:
             action: Callable[[Path], None] = partial(machine.run, name=name, arguments=arguments)
@@ -112,7 +112,7 @@ def check_directives(listing: Listing) -> None:
         require(is_known, f"the listing has the directive {line}")
 
 
-def _add_results(machine: SymbolicMachine, name: str, arguments: list[Value], path: Path) -> None:
+def add_results(machine: SymbolicMachine, name: str, arguments: list[Value], path: Path) -> None:
     path.effects.append(machine.kernel_results(path, name, arguments))
 
 
@@ -135,4 +135,4 @@ def check_spline_kernel(listing: Listing, name: str) -> int:
     def specify(path: Path) -> None:
         path.effects.append([Value("real", value % PRIME) for value in polynomials[name]])
 
-    return machine.explore(name, specify, partial(_add_results, machine, name, arguments))
+    return machine.explore(name, specify, partial(add_results, machine, name, arguments))

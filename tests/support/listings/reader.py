@@ -27,7 +27,7 @@ EXPRESSIONS = {  # by kind; the groups are its operands
     "not": rf"! ({OPERAND})",
     "cast": rf"\( ({TYPE}) \) ({OPERAND})",
     "load": rf"({NAME}) \[ ({NAME}) \]",
-    "table": rf"{PREFIX.upper()}_READ_(8|16|32) \( {PREFIX}_(\w+) \[ ({NAME}) \] \)",  # bits, table, index
+    "table": rf"{PREFIX.upper()}_READ_(\w+) \( {PREFIX}_(\w+) \[ ({NAME}) \] \)",  # bits, table, index
     "low half": rf"\( int32_t \) \( int16_t \) ({NAME})",
     "finite": rf"isfinite \( ({OPERAND}) \) != 0",
     "call": rf"({NAME}) \( (.+) \)",
@@ -109,10 +109,11 @@ class Function:
 
 
 class Table(NamedTuple):
-    """Words for the number of entries and for the entries."""
+    """Words for the number of entries, for the entries, and for the type of one."""
 
     size: str
     entries: str
+    entry_type: str
 
 
 @dataclass(frozen=True)
@@ -214,10 +215,10 @@ def read_listing(tokens: Sequence[str]) -> Listing:
             continue
         close = matching_brace(tokens, end)
         body, at = tokens[end + 1 : close], close + 1
-        table = re.fullmatch(rf"static const {PREFIX}_real {PREFIX}_(\w+) \[ (\w+) \] =", head)
+        table = re.fullmatch(rf"static const (\w+) {PREFIX}_(\w+) \[ (\w+) \] (?:{PREFIX.upper()}_FLASH )?=", head)
         if table:
-            require(table[1] not in tables and len(body) == 1 and tokens[at] == ";", f"this is no table: {head}")
-            tables[table[1]], at = Table(table[2], body[0]), at + 1
+            require(table[2] not in tables and len(body) == 1 and tokens[at] == ";", f"this is no table: {head}")
+            tables[table[2]], at = Table(table[3], body[0], table[1]), at + 1
         else:
             function = read_function(head, body)
             require(function.name not in functions, f"there are two functions {function.name}")
