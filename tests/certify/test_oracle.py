@@ -279,6 +279,12 @@ def test_the_files_of_a_mutant_mean_to_the_checker_what_the_mutant_is() -> None:
             expected = {*stated.faces, *cuts}
             if read.target.ball is None or faces is read.space.faces:
                 assert {primitive(*face) for face in faces} == {primitive(*face) for face in expected}
+        if read.target.ball is not None:
+            target, moved = task.target_set, task.target_course.displacement(task.prescribed_time)
+            axes = task.axis_indices(target)
+            assert read.target.axes == list(axes)
+            centre = [c + moved[i] for i, c in zip(axes, target.centre, strict=True)]
+            assert read.target.ball == (centre, target.radius)
         assert read.start == (list(task.start.lower), list(task.start.upper))
         limits = [None if limit is None else list(limit) for limit in (task.max_speed, task.max_acceleration)]
         assert (read.clearance, [read.max_speed, read.max_acceleration]) == (task.tube.clearance, limits)

@@ -36,7 +36,7 @@ class Mutant(NamedTuple):
         return f"{self.heading}: {self.line.strip()} -> {self.replacement.strip()}"
 
     def notices(self, check: Callable[[], object]) -> bool:
-        """Whether a check fails in some way with the changed listing."""
+        """Whether a check fails with the changed listing, or cannot read it: such a mutant does not compile either."""
         lines = [*source.pieces()[self.heading]]
         lines[self.number] = self.replacement
         with changed_pieces({self.heading: lines}):
