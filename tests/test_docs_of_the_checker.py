@@ -14,6 +14,7 @@ import pytest
 from stt_codegen.checker import check_files
 from stt_codegen.checker.stt_checker import claims, source
 from stt_codegen.checker.stt_checker.integers import CONSTANTS, CONSTANTS_OF_ORDER_2
+from stt_codegen.checker.stt_checker.starts import TABLES as TABLES_OF_STARTS
 from stt_codegen.checker.stt_checker.task import KNOWN_KEYS
 from tests.support.controllers import ROOT
 
@@ -123,10 +124,8 @@ def test_the_format_has_every_constant_of_integers() -> None:
     assert set(f"{CONSTANTS} {CONSTANTS_OF_ORDER_2}".split()) <= set(re.findall(r"`(\w+)`", table))
 
 
-def test_the_format_has_every_option_and_number_of_the_listings_in_floating_point() -> None:
-    text = "\n".join(
-        (FOLDER / name).read_text() for name in ("listing_controller.c", "listing_order2.c", "listing_files.c")
-    ).partition("== integer header")[0]
+def test_the_format_has_every_option_and_number_of_the_listings() -> None:
+    text = "\n".join(path.read_text() for path in FOLDER.glob("listing_*.c"))
     options = {word for tail in re.findall(r"  \[([^\]]+)\]$", text, re.M) for word in tail.split(", ")} - {
         "words",
         "each closed axis",
@@ -134,7 +133,10 @@ def test_the_format_has_every_option_and_number_of_the_listings_in_floating_poin
     table = FORMAT_PAGE.partition("## The C is the listing")[2]
     assert {option for option in options if f"`{option}`" not in table} == set()
     numbers = {re.sub(r"_(table|minus)$", "", name) for name in re.findall(r"\$([a-z]\w*?)(?=U?\b)", text)} - {"name", "u_max"}
-    assert {name for name in numbers if f"`{name}`" not in table} - {"row_2"} == set()
+    starts = {f"{name}_{kind}" for name in TABLES_OF_STARTS for kind in ("type", "bits")}
+    keys = f"{CONSTANTS} {CONSTANTS_OF_ORDER_2}".split()
+    named_together = {"row_2", "filters_type", "filters_bits", *starts, *keys}  # "`row_1` .. `row_3`", "the same of `filters` and .."
+    assert {name for name in numbers if f"`{name}`" not in table} - named_together == set()
 
 
 def test_the_format_has_the_defaults_of_all_keys_that_it_lists() -> None:
