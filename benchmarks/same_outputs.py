@@ -1,12 +1,14 @@
 """Compare the shipped C with that of another commit: whether every function gives the same bits on random inputs.
 
     python -m benchmarks same_outputs --against COMMIT [--count 1000000] [--seed 0] [--only NAME] [--functions control,tube]
+        [--special 0.01]
 
 Each C file of generated/ is compiled beside the file of the same path in COMMIT. Functions that both have, with the same
 parameters, run on the same inputs: times from before 0 to after t_c; three states of four in the tube and up to a fifth of its
-width beyond, the others anywhere; now and then a NaN, an infinity, or 0. Each row says how many inputs had status OK. It prints
-one row for each file, and ends with exit code 1 where a bit differs. It is for changes of the printer that must not change what a
-controller computes."""
+width beyond, the others anywhere; a share of `--special` is a NaN, an infinity, 0 or huge. It prints one row for each file, with
+the share of inputs that had status OK, and ends with exit code 1 where a bit differs. It is for changes of the printer that must
+not change what a controller computes.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,6 @@ ROOT = Path(__file__).parent.parent
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC")
 KINDS = {"float": np.float32, "double": np.float64, "int32_t": np.int32, "uint32_t": np.uint32, "bool": np.bool_}
 SPECIAL = (np.nan, np.inf, -np.inf, 0.0, -0.0, 1e30, -1e30)
-SPECIAL_SHARE = 0.01  # of the inputs
 STATES_BY_THE_TUBE = 0.75  # of all states
 BEYOND_AN_EDGE = 0.2  # of the tube's width, at most
 
@@ -125,12 +126,14 @@ class Library:
 @dataclass(frozen=True)
 class Recorded:
     """What inputs are drawn from. duration: the prescribed time in seconds; tick_period: seconds, 0 without ticks; reach: the
-    largest |coordinate| of the tube, in units of its C; filters: lambda by component, for order 2."""
+    largest |coordinate| of the tube, in units of its C; filters: lambda by component, for order 2; special_share: of numbers that
+    are a NaN, an infinity, 0 or huge."""
 
     duration: float
     tick_period: float
     reach: float
     filters: np.ndarray
+    special_share: float
 
 
 def random_inputs(
@@ -153,7 +156,7 @@ def random_inputs(
     _move_states_to_the_tube(inputs, rng, recorded, library)
     for values in inputs.values():
         if values.dtype.kind == "f":
-            is_special = rng.random(values.shape) < SPECIAL_SHARE
+            is_special = rng.random(values.shape) < recorded.special_share
             values[is_special] = rng.choice(SPECIAL, int(is_special.sum()))
     return inputs
 
@@ -203,7 +206,7 @@ def differences(path: Path, options: argparse.Namespace) -> list[str] | None:
     wanted = set(options.functions.split(",")) if options.functions else None
     functions = [f for f in prototypes(header, prefix) if old.get(f.name) == f and (wanted is None or f.name in wanted)]
     functions = [f for f in functions if f"{prefix}_{f.name}(".encode() in now[path.name]]  # others are in files beside it
-    recorded = _recorded(path, header, now[path.name])
+    recorded = _recorded(path, header, now[path.name], options.special)
     libraries = [Library(files, prefix, functions) for files in (before, now)]
     messages, inside = [], []
     for f in functions:
@@ -217,7 +220,7 @@ def differences(path: Path, options: argparse.Namespace) -> list[str] | None:
     return messages or [f"equal: {', '.join(f.name for f in functions)}{share}"]
 
 
-def _recorded(path: Path, header: str, c: bytes) -> Recorded:
+def _recorded(path: Path, header: str, c: bytes, special_share: float) -> Recorded:
     """Read what inputs are drawn from: times in the header, coordinates in the C's table, lambda in the certificate."""
     prefix = path.stem.upper()
     stated = {name: float(v) for name, v in re.findall(rf"#define {prefix}_(\w+) (?:U?INT32_C\()?([\d.e-]+)", header)}
@@ -227,7 +230,7 @@ def _recorded(path: Path, header: str, c: bytes) -> Recorded:
     reach = 6 * max(abs(float(v)) for v in re.findall(rb"-?[\d.]+(?:e-?\d+)?", table[1] if table else b"1"))
     certificate = json.loads((ROOT / path).with_suffix(".certificate.json").read_text())
     filters = np.array([float(Fraction(v)) for v in certificate.get("filter", [])])
-    return Recorded(duration, tick_period, reach, filters)
+    return Recorded(duration, tick_period, reach, filters, special_share)
 
 
 def _same_but_for_nan(a: np.ndarray, b: np.ndarray) -> bool:
@@ -247,6 +250,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="", metavar="NAME", help="files whose path has this in it")
+    parser.add_argument("--special", type=float, default=0.01, metavar="SHARE", help="of numbers that are no ordinary input")
     parser.add_argument("--functions", default="", help="names, separated by commas; default: all that both have")
     options = parser.parse_args()
     failed = False
