@@ -79,8 +79,8 @@ Section Emission.
     "#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1) && (FLT_EVAL_METHOD != 16)"]) ++ [
     ("#error """ ++ task ++ ".c: compile for " ++ (if is_single consts then "float" else "double") ++ " arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that""")%string;
     "#endif"] ++ (if is_single consts then [
-    "#if FLT_MANT_DIG != 24"] else [
-    "#if DBL_MANT_DIG != 53"]) ++ [
+    "#if defined(FLT_MANT_DIG) && (FLT_MANT_DIG != 24)"] else [
+    "#if defined(DBL_MANT_DIG) && (DBL_MANT_DIG != 53)"]) ++ [
     ("#error """ ++ task ++ ".c: " ++ (if is_single consts then "float" else "double") ++ " is not IEEE-754's here, for which rounding is bounded""")%string;
     "#endif";
     "#if defined(__clang__)";

@@ -55,8 +55,8 @@ static const P_real P_filtered_start_upper[$n] = { $filtered_start_upper };  [or
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1) && (FLT_EVAL_METHOD != 16)  [double]
 #error "P.c: compile for $scalar arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
 #endif
-#if FLT_MANT_DIG != 24  [float]
-#if DBL_MANT_DIG != 53  [double]
+#if defined(FLT_MANT_DIG) && (FLT_MANT_DIG != 24)  [float]
+#if defined(DBL_MANT_DIG) && (DBL_MANT_DIG != 53)  [double]
 #error "P.c: $scalar is not IEEE-754's here, for which rounding is bounded"
 #endif
 /* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */

@@ -89,7 +89,7 @@ _DIRECTIVE = re.compile(
     r"|#if defined\(__clang__\)$|#elif defined\(__GNUC__\)$"
     r'|#pragma (STDC FP_CONTRACT OFF|clang fp reassociate\(off\)|GCC optimize \("fp-contract=off"\))$'
     r"|#if defined\(FLT_EVAL_METHOD\) && \(FLT_EVAL_METHOD != 0\)( && \(FLT_EVAL_METHOD != 1\))? && \(FLT_EVAL_METHOD != 16\)$"
-    r"|#if (FLT_MANT_DIG != 24|DBL_MANT_DIG != 53)$"
+    r"|#if defined\((FLT_MANT_DIG\) && \(FLT_MANT_DIG != 24|DBL_MANT_DIG\) && \(DBL_MANT_DIG != 53)\)$"
 )
 
 

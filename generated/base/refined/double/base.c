@@ -28,7 +28,7 @@
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1) && (FLT_EVAL_METHOD != 16)
 #error "base.c: compile for double arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
 #endif
-#if DBL_MANT_DIG != 53
+#if defined(DBL_MANT_DIG) && (DBL_MANT_DIG != 53)
 #error "base.c: double is not IEEE-754's here, for which rounding is bounded"
 #endif
 /* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */

@@ -25,7 +25,7 @@
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 16)
 #error "trolley.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
 #endif
-#if FLT_MANT_DIG != 24
+#if defined(FLT_MANT_DIG) && (FLT_MANT_DIG != 24)
 #error "trolley.c: float is not IEEE-754's here, for which rounding is bounded"
 #endif
 /* No fused multiply-adds: Arduino's and other -std=gnu.. compilers would make them. */
