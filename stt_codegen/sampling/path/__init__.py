@@ -1,0 +1,11 @@
+"""The worst path: sampling, latency, lag, slew and overshoot proved by one falling curve, in whole numbers and without NumPy.
+
+docs/sampling-path.md has the theorem and its proof.
+"""
+
+from stt_codegen.sampling.path.drive import Drive
+from stt_codegen.sampling.path.path_proof import PathProof, prove_path
+from stt_codegen.sampling.path.path_search import largest_drive_factor, longest_path_period
+from stt_codegen.sampling.path.path_windows import PathLoop
+
+__all__ = ["Drive", "PathLoop", "PathProof", "largest_drive_factor", "longest_path_period", "prove_path"]

@@ -1,0 +1,166 @@
+"""Whether the worst path proves a loop for a sampling period, an input delay and a drive, and which |e| and |u| follow.
+
+`prove_path` looks for the smallest E by component for which the theorem of docs/sampling-path.md holds: first with the bounds
+of the whole time, then window by window. A bound U on |u| rises with E, and the E that a path needs rises with U; so E starts
+at that of the starts and is raised until it is enough for every path, in all components at once.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from stt_codegen.decimals import above
+from stt_codegen.sampling.path.path_windows import PathLoop
+from stt_codegen.sampling.path.worst_path import PathBounds, WorstPath, follow_worst_path
+
+ROUND_LIMIT = 16  # of raising E
+FIRST_RAISE = Fraction(1, 1 << 20)  # relative, of rho above what the paths need; it doubles from round to round
+RHO_DIGITS = 9
+HISTORY_ROUND_LIMIT = 8  # of raising A
+HISTORY_RAISE = Fraction(1, 16)  # relative
+
+
+@dataclass(frozen=True)
+class ComponentPath:
+    """The paths of one component: the rho that all of them prove at least, Q_pk of the one that comes nearest, and A.
+
+    history: A in seconds; None where one path from the start has the bounds of the whole time. cells: of all paths.
+    """
+
+    rho: Fraction
+    nearest: Fraction
+    history: Fraction | None
+    cells: int
+
+
+@dataclass(frozen=True)
+class PathProof:
+    """What the worst path proves, by component: |e| < (rho - 1)/(rho + 1) and |u| <= u; `paths` has the paths themselves."""
+
+    rho: tuple[Fraction, ...]
+    u: tuple[Fraction, ...]
+    paths: tuple[ComponentPath, ...]
+
+    @property
+    def e(self) -> tuple[Fraction, ...]:
+        """The bounds on |e| by component."""
+        return tuple((v - 1) / (v + 1) for v in self.rho)
+
+
+def prove_path(loop: PathLoop) -> PathProof | None:
+    """Prove that the loop stays in its tube; None where no path does."""
+    if loop.age > loop.largest_known_age:
+        return None
+    return _prove(loop, is_local=False) or _prove(loop, is_local=True)
+
+
+def _prove(loop: PathLoop, is_local: bool) -> PathProof | None:
+    """Raise rho until the paths of all components prove it."""
+    rho = [_decimal_above(law.rho_at_start * (1 + FIRST_RAISE)) for law in loop.laws]
+    for k in range(ROUND_LIMIT):
+        inputs = Inputs.of(loop, rho)
+        if inputs is None:
+            return None
+        paths = []
+        for i in range(loop.n):
+            path = (follow_local_paths(loop, i, inputs) if is_local else None) or follow_from_start(loop, i, inputs)
+            if path is None:
+                return None
+            paths.append(path)
+        if all(path.rho < v for path, v in zip(paths, rho, strict=True)):
+            return PathProof(tuple(rho), tuple(inputs.largest), tuple(paths))
+        raised = 1 + FIRST_RAISE * 2**k
+        rho = [max(v, _decimal_above(path.rho * raised)) for path, v in zip(paths, rho, strict=True)]
+    return None
+
+
+def _decimal_above(value: Fraction) -> Fraction:
+    return Fraction(str(above(value, RHO_DIGITS)))
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Bounds on |u|: by_row[i][k] over all rows up to k, while every |eps_i| is below its E."""
+
+    by_row: tuple[tuple[Fraction, ...], ...]
+
+    @classmethod
+    def of(cls, loop: PathLoop, rho: Sequence[Fraction]) -> Inputs | None:
+        """Return the bounds for e^E = rho by component; None where nothing bounds an input."""
+        by_row = []
+        for law, rows, ratio in zip(loop.laws, loop.rows, rho, strict=True):
+            narrowest = list(itertools.accumulate((row.narrow for row in rows), min))
+            bounds = {width: law.input_bound(width, ratio) for width in set(narrowest)}
+            if None in bounds.values():
+                return None
+            by_row.append(tuple(bound for width in narrowest if (bound := bounds[width]) is not None))
+        return cls(tuple(by_row))
+
+    def up_to(self, row: int) -> list[Fraction]:
+        """Return the bounds by component over all rows up to this one."""
+        return [bounds[row] for bounds in self.by_row]
+
+    @property
+    def largest(self) -> list[Fraction]:
+        """The bounds by component over all rows."""
+        return [bounds[-1] for bounds in self.by_row]
+
+
+def follow_from_start(loop: PathLoop, i: int, inputs: Inputs, last: int | None = None) -> ComponentPath | None:
+    """Follow the path of component i from its start, with the bounds of all rows up to `last`; None where it meets the edge."""
+    last = len(loop.begins) - 1 if last is None else last
+    bounds = loop.bounds_over(i, 0, last, inputs.up_to(last))
+    path = follow_worst_path(bounds, loop.start(i))
+    rho = path.rho(bounds.wide)
+    return None if rho is None else ComponentPath(rho, path.nearest, None, path.cells)
+
+
+def follow_local_paths(loop: PathLoop, i: int, inputs: Inputs) -> ComponentPath | None:
+    """Follow the paths of component i for every row with the bounds of the last A seconds, and one path for the rows before A.
+
+    A starts at the age of a sample and is raised until no path needs more. None where a path meets the edge, or no A fits.
+    """
+    history = loop.age + loop.drives[i].delay(inputs.largest[i])
+    for _ in range(HISTORY_ROUND_LIMIT):
+        if history > loop.begins[-1]:
+            return None
+        first_local = next(k for k, begin in enumerate(loop.begins) if begin >= history)
+        needed, paths = Fraction(0), []
+        for bounds, path in _uncovered_paths(loop, i, inputs, first_local, history):
+            rho = path.rho(bounds.wide)
+            if rho is None or path.history is None:
+                return None
+            needed = max(needed, path.history)
+            paths.append(ComponentPath(rho, path.nearest, history, path.cells))
+        if needed <= history:
+            from_start = follow_from_start(loop, i, inputs, first_local - 1)
+            return None if from_start is None else _together([from_start, *paths], history)
+        history = needed * (1 + HISTORY_RAISE)
+    return None
+
+
+def _uncovered_paths(
+    loop: PathLoop, i: int, inputs: Inputs, first_local: int, history: Fraction
+) -> Iterator[tuple[PathBounds, WorstPath]]:
+    """Yield the paths of the rows from `first_local` on, but for rows whose bounds those of another row cover.
+
+    A row whose speed is large for its width comes first, since it is the most likely to fail.
+    """
+    candidates = [
+        loop.bounds_over(i, loop.row_at(loop.begins[k] - history), k, inputs.up_to(k))
+        for k in range(first_local, len(loop.begins))
+    ]
+    candidates.sort(key=lambda b: (b.closing_speed + b.g_max * b.input_bound) / b.narrow, reverse=True)
+    followed: list[PathBounds] = []
+    for bounds in candidates:
+        if not any(other_bounds.covers(bounds) for other_bounds in followed):
+            followed.append(bounds)
+            yield bounds, follow_worst_path(bounds)
+
+
+def _together(paths: Sequence[ComponentPath], history: Fraction) -> ComponentPath:
+    """Return the worst of the paths of a component."""
+    return ComponentPath(max(p.rho for p in paths), min(p.nearest for p in paths), history, sum(p.cells for p in paths))
