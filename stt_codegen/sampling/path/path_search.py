@@ -9,7 +9,7 @@ from stt_codegen.sampling.path.path_proof import prove_path
 from stt_codegen.sampling.path.path_windows import PathLoop
 
 SEARCH_STEPS = 12  # of bisection, after the value is known up to a factor of 2
-DOUBLING_LIMIT = 24
+DOUBLING_LIMIT = 12
 
 
 def longest_path_period(loop: PathLoop, first_guess: Fraction) -> Fraction | None:
