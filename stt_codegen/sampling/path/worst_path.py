@@ -211,7 +211,7 @@ class _Path:
         """Follow the path from the begin to its end, to the edge, or to CELL_COUNT_LIMIT."""
         fall, drive, levels = self.fall, self._drive(), [self.first_level]
         is_started, clipped_cells = self.start is None, 0 if self.start is None else _above(self.start.first_input / self.cell)
-        slowest = max(fall.closing >> SLOWEST_SHARE_BITS, 1)
+        slowest = max(-(-fall.closing >> SLOWEST_SHARE_BITS), 1)
         while len(levels) < CELL_COUNT_LIMIT:
             level, command = levels[-1], self._command(levels)
             if not is_started and level <= self.start_level:
@@ -224,7 +224,7 @@ class _Path:
             # From the start the path ends where (2) turns round; bounds of recent windows need (4).
             if is_started and (falls if self.start is not None else fall.at_edge(acting)) < 0:
                 return WorstPath(level * self.length_unit, self._history(level, len(levels)), len(levels))
-            at_least = slowest if is_started else max(slowest, fall.top >> SLOWEST_START_BITS)
+            at_least = slowest if is_started else max(slowest, -(-fall.top >> SLOWEST_START_BITS))
             level -= max(fall.through_cell(falls) if falls > 0 else 0, at_least)
             if level <= 0:
                 break
