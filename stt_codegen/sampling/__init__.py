@@ -10,7 +10,7 @@ from stt_codegen.sampling.gains import (
     longest_proved_period_from,
     rounded_gain,
 )
-from stt_codegen.sampling.loops import condition_kinds_of, exact_loop, loop_of, start_bound_of_task
+from stt_codegen.sampling.loops import condition_kinds_of, exact_loop, loop_of, path_loop_of, start_bound_of_task
 from stt_codegen.sampling.numbers import FRACTIONS, Fractions
 from stt_codegen.sampling.order_two import (
     KNOWN_AGE_FACTOR,
@@ -18,6 +18,15 @@ from stt_codegen.sampling.order_two import (
     inertial_motion,
     inertial_start_bound,
     velocity_bounds,
+)
+from stt_codegen.sampling.path import (
+    PathLoop,
+    PathProof,
+    choose_path_gain,
+    largest_drive_factor,
+    longest_path_period,
+    prove_path,
+    prove_path_for,
 )
 from stt_codegen.sampling.periods import Period, inputs_where_proved, longest_proved_period, prove_for_period
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task, minimum_eigenvalue
@@ -53,6 +62,8 @@ __all__ = [
     "Fractions",
     "GainChoice",
     "Gains",
+    "PathLoop",
+    "PathProof",
     "Period",
     "PlantEnclosure",
     "SampledLaw",
@@ -60,6 +71,7 @@ __all__ = [
     "Windows",
     "balancing_gain",
     "bounds_of_task",
+    "choose_path_gain",
     "choose_proved_gain",
     "condition_kinds_of",
     "continuous_input_bound",
@@ -79,13 +91,18 @@ __all__ = [
     "inertial_motion",
     "inertial_start_bound",
     "inputs_where_proved",
+    "largest_drive_factor",
     "law_of",
+    "longest_path_period",
     "longest_proved_period",
     "longest_proved_period_from",
     "loop_of",
     "measured_distances",
     "minimum_eigenvalue",
+    "path_loop_of",
     "prove_for_period",
+    "prove_path",
+    "prove_path_for",
     "refined_windows",
     "rounded_gain",
     "sampling_conditions",

@@ -7,12 +7,14 @@ from stt_codegen.task.closed_axes import SET_TURNS_LIMIT, TWO_PI, ClosedAxis
 from stt_codegen.task.demands import require_offered
 from stt_codegen.task.keys import task_keys
 from stt_codegen.task.load import json_schema, load_task, parse_task
+from stt_codegen.task.schema import DriveBounds
 from stt_codegen.task.task import Task
 
 __all__ = [
     "SET_TURNS_LIMIT",
     "TWO_PI",
     "ClosedAxis",
+    "DriveBounds",
     "Task",
     "json_schema",
     "load_task",

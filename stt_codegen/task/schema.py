@@ -62,6 +62,7 @@ Scalar = Literal["float", "double", "fixed"]
 Preference = Literal["balanced", "slow", "wide", "period"]
 Outside = Literal["return", "hold", "stop"]
 PLANT_BOUNDS = ("f_max", "w_max", "g_min", "g_max", "g_cross")  # keys of [plant] that are one number, or one for each component
+DRIVE_BOUNDS = ("lag", "lag2", "slew", "overshoot")  # keys of [plant] about what acts of u, one number or one for each component
 EmitOptionsType = TypeVar("EmitOptionsType", bound=TomlTable)
 
 
@@ -193,6 +194,16 @@ class PlantBounds(TomlTable):
     g_cross: PerComponent | None = Field(
         default=None, description="bound on every |g_ij|, i not j, or one for each row i; absent: 0, no coupling"
     )
+    lag: PerComponent | None = Field(
+        default=None, description="seconds: what acts of u is never behind a first-order lag of so long; absent: u acts at once"
+    )
+    lag2: PerComponent | None = Field(default=None, description="seconds: a second lag in series, of a filter or a bus")
+    slew: PerComponent | None = Field(
+        default=None, description="units of u a second: the rate at which what acts follows u at least; absent: at once"
+    )
+    overshoot: PerComponent | None = Field(
+        default=None, description="share of a step of u by which what acts overshoots at most, in [0, 1); absent: 0"
+    )
     noise: NotNegative | None = Field(default=None, description="bound on the error of every measured x_i; absent: 0")
     noise_v: NotNegative | None = Field(
         default=None, description="bound on the error of every measured v_i, for order 2; absent: 0"
@@ -200,8 +211,9 @@ class PlantBounds(TomlTable):
 
     @property
     def bounds(self) -> dict[str, Fraction | tuple[Fraction, ...] | None]:
-        """The bounds by their keys, None where the task has none; `noise_v` only for plants of order 2."""
-        names = (*PLANT_BOUNDS, "noise", *(("noise_v",) if self.order == 2 else ()))
+        """The bounds by their keys, None where the task has none; `noise_v` only for order 2, a drive's only where stated."""
+        stated = tuple(name for name in DRIVE_BOUNDS if getattr(self, name) is not None)
+        names = (*PLANT_BOUNDS, "noise", *(("noise_v",) if self.order == 2 else ()), *stated)
         return {name: getattr(self, name) for name in names}
 
     @property
@@ -218,6 +230,26 @@ class ComponentBounds:
     g_min: Fraction
     g_max: Fraction
     cross: Fraction
+
+
+@dataclass(frozen=True)
+class DriveBounds:
+    """What [plant] states about the drive of component i; 0 stands for no lag and no overshoot, None for no limit of the rate."""
+
+    lag: Fraction
+    lag2: Fraction
+    slew: Fraction | None
+    overshoot: Fraction
+
+    @property
+    def acts_at_once(self) -> bool:
+        """Whether what acts is what is commanded."""
+        return not (self.lag or self.lag2 or self.overshoot) and self.slew is None
+
+    @property
+    def amplification(self) -> Fraction:
+        """The largest |y|/|u|, y being what acts: 1 + 2 (M + M^2 + ..) for an overshoot by the share M."""
+        return 1 + 2 * self.overshoot / (1 - self.overshoot)
 
 
 def _named(sets: tuple[AnyUnsafe, ...]) -> tuple[AnyUnsafe, ...]:
@@ -332,13 +364,30 @@ class TaskTables(TomlTable):
             bounds.append(ComponentBounds(force[i] + disturbance[i], g_min, g_max, cross[i]))
         return tuple(bounds)
 
+    @property
+    def drive_bounds(self) -> tuple[DriveBounds, ...]:
+        """What is stated about the drive of each component."""
+        plant, zero = self.plant, Fraction(0)
+        lag, lag2, overshoot = (self._per_component(v or zero) for v in (plant.lag, plant.lag2, plant.overshoot))
+        slew = (None,) * self.dimension if plant.slew is None else self._per_component(plant.slew)
+        return tuple(DriveBounds(*values) for values in zip(lag, lag2, slew, overshoot, strict=True))
+
+    @property
+    def has_late_input(self) -> bool:
+        """Whether an input may act later than its sample, or otherwise than it is commanded: by latency or by the drive."""
+        return self.control.latency > 0 or not all(bounds.acts_at_once for bounds in self.drive_bounds)
+
     def coupling_of(self, inputs: Sequence[Fraction]) -> tuple[Fraction, ...]:
         """Return by component the sum over j != i of |g_ij| |u_j|, for |u_j| <= inputs_j: what the other inputs move it by."""
         total = sum(inputs, Fraction(0))
         return tuple(b.cross * (total - v) for b, v in zip(self.plant_bounds, inputs, strict=True))
 
     def largest_derivative(self, inputs: Sequence[Fraction]) -> tuple[Fraction, ...]:
-        """Return by component a bound on |f_i + w_i + sum_j g_ij u_j|, the derivative that u acts on, for |u_j| <= inputs_j."""
+        """Return by component a bound on |f_i + w_i + sum_j g_ij y_j|, the derivative that u acts on, for |u_j| <= inputs_j.
+
+        y is what acts of u, which a drive that overshoots makes larger.
+        """
+        inputs = [v * drive.amplification for v, drive in zip(inputs, self.drive_bounds, strict=True)]
         parts = zip(self.plant_bounds, inputs, self.coupling_of(inputs), strict=True)
         return tuple(b.force + b.g_max * u + coupling for b, u, coupling in parts)
 

@@ -17,7 +17,7 @@ from stt_codegen.program.analyse.exact_logarithm import logarithm
 from stt_codegen.sampling.path import worst_path
 from stt_codegen.sampling.path.drive import SHARE_ONE, Drive, DriveCells, decay_above
 from stt_codegen.sampling.path.integer_logarithm import ARTANH_ERROR, LOG_BITS, log_bounds, twice_artanh
-from stt_codegen.sampling.path.path_proof import Inputs, follow_from_start, follow_local_paths, prove_path
+from stt_codegen.sampling.path.path_proof import follow_from_start, follow_local_paths, prove_path, prove_path_for
 from stt_codegen.sampling.path.path_search import largest_drive_factor, largest_proved, longest_path_period
 from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, Row
 from stt_codegen.sampling.path.worst_path import PathBounds, Start, follow_worst_path
@@ -188,8 +188,6 @@ def test_what_acts_stays_below_the_drives_bound(drive: Drive) -> None:
 def test_an_ideal_drive_follows_its_command_at_once() -> None:
     cells = DriveCells(Drive(), 100, F(1), F(1, 100))
     assert [cells.acting(v) for v in (100, 20, -50)] == [100, 20, -50]
-    assert Drive().is_ideal
-    assert not Drive((F(1, 10),)).is_ideal
     assert Drive(overshoot=F(1, 5)).amplification == F(3, 2)
     assert Drive((F(1), F(2)), F(8)).scaled(F(2)) == Drive((F(2), F(4)), F(4))
 
@@ -370,24 +368,20 @@ FAST_WIDE = [row(1.5, 1.6, 1.6)] * 6
 
 def test_recent_bounds_prove_what_bounds_of_the_whole_time_do_not() -> None:
     loop = loop_of_rows(SLOW_WIDE + [row(0.6, 1.2, 1.2)] * 4 + FAST_WIDE)
-    inputs = Inputs.of(loop, [F(200)])
-    assert inputs is not None
-    assert follow_from_start(loop, 0, inputs) is None
-    path = follow_local_paths(loop, 0, inputs)
+    assert follow_from_start(loop, 0, [F(2)]) is None
+    path = follow_local_paths(loop, 0, [F(2)])
     assert path is not None
     assert path.history is not None
     proof = prove_path(loop)
     assert proof is not None
     assert proof.paths[0].history is not None
     assert proof.rho[0] > proof.paths[0].rho
-    assert proof.e[0] > F(9, 10)
+    assert proof.rho[0] > 19
 
 
 def test_bounds_older_than_the_history_do_not_matter_but_the_inputs_of_all_time_do() -> None:
     calm = loop_of_rows([row(0.5, 1.0, 1.0)] * 12)
-    inputs = Inputs.of(calm, [F(200)])
-    assert inputs is not None
-    path = follow_local_paths(calm, 0, inputs)
+    path = follow_local_paths(calm, 0, [F(2)])
     assert path is not None
     assert path.history is not None
     last = len(calm.begins) - 1
@@ -396,23 +390,22 @@ def test_bounds_older_than_the_history_do_not_matter_but_the_inputs_of_all_time_
     harder = loop_of_rows([row(0.9, 0.9, 1.1)] * old + [row(0.5, 1.0, 1.0)] * (last + 1 - old))
     assert harder.bounds_over(0, old, last, [F(2)]) == calm.bounds_over(0, old, last, [F(2)])
     unlimited = loop_of_rows([row(0.9, 0.9, 1.1)] * old + [row(0.5, 1.0, 1.0)] * (last + 1 - old), u_max=None)
-    bounds = Inputs.of(unlimited, [F(50)])
-    assert bounds is not None
-    assert bounds.up_to(0) == bounds.up_to(last)  # the first window is the narrowest
+    assert unlimited.input_bound(0, F(50)) == unlimited.laws[0].input_bound(F(0.9), F(50))  # of the first, narrowest window
 
 
 def test_the_proof_of_a_loop_holds_for_its_own_rho_and_for_no_smaller_one_of_the_paths() -> None:
     loop = loop_of_rows(SLOW_WIDE, u_max=None)
     proof = prove_path(loop)
     assert proof is not None
-    inputs = Inputs.of(loop, proof.rho)
-    assert inputs is not None
-    assert list(proof.u) == inputs.largest
-    path = follow_from_start(loop, 0, inputs)
+    path = follow_from_start(loop, 0, proof.u)
     assert path == proof.paths[0]
     assert path is not None
-    assert path.rho < proof.rho[0]
-    assert proof.rho[0] > 19
+    assert 19 < path.rho < proof.rho[0]
+    assert prove_path_for(loop, proof.rho) == proof
+    assert prove_path_for(loop, [proof.rho[0] * F(99, 100)]) is None
+    bound = loop.input_bound(0, proof.rho[0])
+    assert bound is not None
+    assert bound <= proof.u[0] <= bound * F(100001, 100000)
 
 
 def test_inputs_of_other_components_count_with_their_overshoot() -> None:

@@ -4,8 +4,19 @@ docs/sampling-path.md has the theorem and its proof.
 """
 
 from stt_codegen.sampling.path.drive import Drive
-from stt_codegen.sampling.path.path_proof import PathProof, prove_path
+from stt_codegen.sampling.path.path_gain import choose_path_gain
+from stt_codegen.sampling.path.path_proof import ComponentPath, PathProof, prove_path, prove_path_for
 from stt_codegen.sampling.path.path_search import largest_drive_factor, longest_path_period
 from stt_codegen.sampling.path.path_windows import PathLoop
 
-__all__ = ["Drive", "PathLoop", "PathProof", "largest_drive_factor", "longest_path_period", "prove_path"]
+__all__ = [
+    "ComponentPath",
+    "Drive",
+    "PathLoop",
+    "PathProof",
+    "choose_path_gain",
+    "largest_drive_factor",
+    "longest_path_period",
+    "prove_path",
+    "prove_path_for",
+]

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from stt_codegen.task import DriveBounds
+
 SHARE_BITS = 48  # of factors between 0 and 1, and of those of the overshoot
 SHARE_ONE = 1 << SHARE_BITS
 EXPONENTIAL_TERMS = 8  # of e^x, x <= 1 mostly: what is left out makes the decay larger, which is the safe side
@@ -27,10 +29,11 @@ class Drive:
     slew: Fraction | None = None
     overshoot: Fraction = Fraction(0)
 
-    @property
-    def is_ideal(self) -> bool:
-        """Whether what acts is what is commanded."""
-        return not self.lags and self.slew is None and self.overshoot == 0
+    @classmethod
+    def of(cls, bounds: DriveBounds) -> Drive:
+        """Return the drive of a component of a task; a lag of 0 is none."""
+        lags = tuple(lag for lag in (bounds.lag, bounds.lag2) if lag)
+        return cls(lags, bounds.slew, bounds.overshoot)
 
     @property
     def opposite_weight(self) -> Fraction:

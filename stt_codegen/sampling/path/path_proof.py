@@ -2,12 +2,12 @@
 
 `prove_path` looks for the smallest E by component for which the theorem of docs/sampling-path.md holds: first with the bounds
 of the whole time, then window by window. A bound U on |u| rises with E, and the E that a path needs rises with U; so E starts
-at that of the starts and is raised until it is enough for every path, in all components at once.
+at that of the starts and is raised until it is enough for every path, in all components at once. Every number of the final
+proof is stated in the certificate, or follows from the task and its tube, so a checker follows the same paths.
 """
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -21,6 +21,7 @@ FIRST_RAISE = Fraction(1, 1 << 20)  # relative, of rho above what the paths need
 RHO_DIGITS = 9
 HISTORY_ROUND_LIMIT = 8  # of raising A
 HISTORY_RAISE = Fraction(1, 16)  # relative
+HISTORY_UNIT = Fraction(1, 1024)  # seconds
 
 
 @dataclass(frozen=True)
@@ -44,87 +45,80 @@ class PathProof:
     u: tuple[Fraction, ...]
     paths: tuple[ComponentPath, ...]
 
-    @property
-    def e(self) -> tuple[Fraction, ...]:
-        """The bounds on |e| by component."""
-        return tuple((v - 1) / (v + 1) for v in self.rho)
-
 
 def prove_path(loop: PathLoop) -> PathProof | None:
-    """Prove that the loop stays in its tube; None where no path does."""
+    """Prove that the loop stays in its tube, with the smallest rho that the search finds; None where no path does."""
     if loop.age > loop.largest_known_age:
         return None
-    return _prove(loop, is_local=False) or _prove(loop, is_local=True)
+    return _search(loop, is_local=False) or _search(loop, is_local=True)
 
 
-def _prove(loop: PathLoop, is_local: bool) -> PathProof | None:
+def prove_path_for(loop: PathLoop, rho: Sequence[Fraction]) -> PathProof | None:
+    """Prove that the loop stays in its tube with these rho by component; None where no path does."""
+    if loop.age > loop.largest_known_age:
+        return None
+    for is_local in (False, True):
+        proof = _follow(loop, rho, is_local)
+        if proof is not None and _is_enough(proof):
+            return proof
+    return None
+
+
+def _search(loop: PathLoop, is_local: bool) -> PathProof | None:
     """Raise rho until the paths of all components prove it."""
     rho = [_decimal_above(law.rho_at_start * (1 + FIRST_RAISE)) for law in loop.laws]
     for k in range(ROUND_LIMIT):
-        inputs = Inputs.of(loop, rho)
-        if inputs is None:
-            return None
-        paths = []
-        for i in range(loop.n):
-            path = (follow_local_paths(loop, i, inputs) if is_local else None) or follow_from_start(loop, i, inputs)
-            if path is None:
-                return None
-            paths.append(path)
-        if all(path.rho < v for path, v in zip(paths, rho, strict=True)):
-            return PathProof(tuple(rho), tuple(inputs.largest), tuple(paths))
+        proof = _follow(loop, rho, is_local)
+        if proof is None or _is_enough(proof):
+            return proof
         raised = 1 + FIRST_RAISE * 2**k
-        rho = [max(v, _decimal_above(path.rho * raised)) for path, v in zip(paths, rho, strict=True)]
+        rho = [max(v, _decimal_above(path.rho * raised)) for path, v in zip(proof.paths, rho, strict=True)]
     return None
+
+
+def _follow(loop: PathLoop, rho: Sequence[Fraction], is_local: bool) -> PathProof | None:
+    """Follow the paths of all components, with U for these rho; None where a path meets the edge, or nothing bounds an input."""
+    bounds = [loop.input_bound(i, ratio) for i, ratio in enumerate(rho)]
+    inputs = [Fraction(str(above(bound))) for bound in bounds if bound is not None]
+    if len(inputs) < loop.n:
+        return None
+    paths = []
+    for i in range(loop.n):
+        path = (follow_local_paths(loop, i, inputs) if is_local else None) or follow_from_start(loop, i, inputs)
+        if path is None:
+            return None
+        paths.append(path)
+    return PathProof(tuple(rho), tuple(inputs), tuple(paths))
+
+
+def _is_enough(proof: PathProof) -> bool:
+    return all(path.rho < v for path, v in zip(proof.paths, proof.rho, strict=True))
 
 
 def _decimal_above(value: Fraction) -> Fraction:
     return Fraction(str(above(value, RHO_DIGITS)))
 
 
-@dataclass(frozen=True)
-class Inputs:
-    """Bounds on |u|: by_row[i][k] over all rows up to k, while every |eps_i| is below its E."""
+def follow_from_start(loop: PathLoop, i: int, inputs: Sequence[Fraction], last: int | None = None) -> ComponentPath | None:
+    """Follow the path of component i from its start, with the bounds of all rows up to `last`; None where it meets the edge.
 
-    by_row: tuple[tuple[Fraction, ...], ...]
-
-    @classmethod
-    def of(cls, loop: PathLoop, rho: Sequence[Fraction]) -> Inputs | None:
-        """Return the bounds for e^E = rho by component; None where nothing bounds an input."""
-        by_row = []
-        for law, rows, ratio in zip(loop.laws, loop.rows, rho, strict=True):
-            narrowest = list(itertools.accumulate((row.narrow for row in rows), min))
-            bounds = {width: law.input_bound(width, ratio) for width in set(narrowest)}
-            if None in bounds.values():
-                return None
-            by_row.append(tuple(bound for width in narrowest if (bound := bounds[width]) is not None))
-        return cls(tuple(by_row))
-
-    def up_to(self, row: int) -> list[Fraction]:
-        """Return the bounds by component over all rows up to this one."""
-        return [bounds[row] for bounds in self.by_row]
-
-    @property
-    def largest(self) -> list[Fraction]:
-        """The bounds by component over all rows."""
-        return [bounds[-1] for bounds in self.by_row]
-
-
-def follow_from_start(loop: PathLoop, i: int, inputs: Inputs, last: int | None = None) -> ComponentPath | None:
-    """Follow the path of component i from its start, with the bounds of all rows up to `last`; None where it meets the edge."""
-    last = len(loop.begins) - 1 if last is None else last
-    bounds = loop.bounds_over(i, 0, last, inputs.up_to(last))
+    inputs: a bound on each |u_j|.
+    """
+    bounds = loop.bounds_over(i, 0, len(loop.begins) - 1 if last is None else last, inputs)
     path = follow_worst_path(bounds, loop.start(i))
     rho = path.rho(bounds.wide)
     return None if rho is None else ComponentPath(rho, path.nearest, None, path.cells)
 
 
-def follow_local_paths(loop: PathLoop, i: int, inputs: Inputs) -> ComponentPath | None:
+def follow_local_paths(loop: PathLoop, i: int, inputs: Sequence[Fraction]) -> ComponentPath | None:
     """Follow the paths of component i for every row with the bounds of the last A seconds, and one path for the rows before A.
 
-    A starts at the age of a sample and is raised until no path needs more. None where a path meets the edge, or no A fits.
+    A starts at the delay of the sample and the drive and is raised until no path needs more. None where a path meets the edge,
+    or no A fits.
     """
-    history = loop.age + loop.drives[i].delay(inputs.largest[i])
+    history = loop.age + loop.drives[i].delay(inputs[i])
     for _ in range(HISTORY_ROUND_LIMIT):
+        history = -(-history // HISTORY_UNIT) * HISTORY_UNIT
         if history > loop.begins[-1]:
             return None
         first_local = next(k for k, begin in enumerate(loop.begins) if begin >= history)
@@ -143,15 +137,14 @@ def follow_local_paths(loop: PathLoop, i: int, inputs: Inputs) -> ComponentPath 
 
 
 def _uncovered_paths(
-    loop: PathLoop, i: int, inputs: Inputs, first_local: int, history: Fraction
+    loop: PathLoop, i: int, inputs: Sequence[Fraction], first_local: int, history: Fraction
 ) -> Iterator[tuple[PathBounds, WorstPath]]:
     """Yield the paths of the rows from `first_local` on, but for rows whose bounds those of another row cover.
 
     A row whose speed is large for its width comes first, since it is the most likely to fail.
     """
     candidates = [
-        loop.bounds_over(i, loop.row_at(loop.begins[k] - history), k, inputs.up_to(k))
-        for k in range(first_local, len(loop.begins))
+        loop.bounds_over(i, loop.row_at(loop.begins[k] - history), k, inputs) for k in range(first_local, len(loop.begins))
     ]
     candidates.sort(key=lambda b: (b.closing_speed + b.g_max * b.input_bound) / b.narrow, reverse=True)
     followed: list[PathBounds] = []

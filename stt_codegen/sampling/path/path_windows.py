@@ -16,8 +16,6 @@ from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
 from stt_codegen.sampling.path.worst_path import PathBounds, Start
 from stt_codegen.sampling.sampled_loop import SampledLoop
 
-INPUT_DIGITS = 40  # bits of a bound on |u|, which is rounded up
-
 
 @dataclass(frozen=True)
 class Row:
@@ -57,15 +55,8 @@ class ComponentLaw:
             return self.u_max
         ratio = far / near
         log = Fraction(log_bounds(ratio.numerator, ratio.denominator)[1], 1 << LOG_BITS) + self.rounding
-        largest = _rounded_up(self.gain * (1 / far + 1 / near) * log * (1 + self.rounding))
+        largest = self.gain * (1 / far + 1 / near) * log * (1 + self.rounding)
         return largest if self.u_max is None else min(largest, self.u_max)
-
-
-def _rounded_up(value: Fraction) -> Fraction:
-    """Return a positive value with INPUT_DIGITS bits, rounded up."""
-    exponent = value.numerator.bit_length() - value.denominator.bit_length() - INPUT_DIGITS
-    unit = Fraction(2) ** exponent
-    return -(-value // unit) * unit
 
 
 @dataclass(frozen=True)
@@ -144,6 +135,11 @@ class PathLoop:
         """Return the same loop with other drives, by component."""
         return replace(self, drives=tuple(drives))
 
+    def component(self, i: int) -> PathLoop:
+        """Return the loop of component i alone, for a plant whose inputs are not coupled."""
+        rows = tuple(replace(row, cross=(Fraction(0),)) for row in self.rows[i])
+        return replace(self, rows=(rows,), laws=(self.laws[i],), drives=(self.drives[i],))
+
     def with_laws(self, laws: Sequence[ComponentLaw]) -> PathLoop:
         """Return the same loop with other laws, by component."""
         return replace(self, laws=tuple(laws))
@@ -160,7 +156,7 @@ class PathLoop:
     def bounds_over(self, i: int, first: int, last: int, inputs: Sequence[Fraction]) -> PathBounds:
         """Return the bounds of component i over the rows `first` to `last`.
 
-        inputs: a bound on each |u_j| over all rows up to `last`, since a drive remembers older commands.
+        inputs: a bound on each |u_j| at all times, since a drive remembers older commands.
         """
         rows, law = self.rows[i][first : last + 1], self.laws[i]
         acting = [drive.amplification * u for drive, u in zip(self.drives, inputs, strict=True)]
@@ -181,6 +177,10 @@ class PathLoop:
             age=self.age,
             drive=self.drives[i],
         )
+
+    def input_bound(self, i: int, rho: Fraction) -> Fraction | None:
+        """Return U of component i while |eps| < E in all rows; rho: e^E. None where nothing bounds it."""
+        return self.laws[i].input_bound(min(row.narrow for row in self.rows[i]), rho)
 
     def row_at(self, time: Fraction) -> int:
         """Return the last row that begins at or before a time that is not negative."""

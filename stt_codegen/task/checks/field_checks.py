@@ -16,7 +16,7 @@ from stt_codegen.program.targets import targets_of
 from stt_codegen.task.added_names import ADDED_NAMES
 from stt_codegen.task.checks.mission_checks import mission_problem
 from stt_codegen.task.checks.set_checks import axes_problem, entries_problem, motion_problem, set_problem
-from stt_codegen.task.schema import PLANT_BOUNDS, TaskTables
+from stt_codegen.task.schema import DRIVE_BOUNDS, PLANT_BOUNDS, TaskTables
 from stt_codegen.task.sets import (
     Box,
     BoxSet,
@@ -85,7 +85,7 @@ def _full_length_fields(task: TaskTables) -> list[tuple[str, Sized]]:
     options: tuple[tuple[str, TomlTable, tuple[str, ...]], ...] = (
         ("control", task.control, ("gain", "e_max", "u_max")),
         ("tube", task.tube, ("max_speed", "max_acceleration", "filter")),
-        ("plant", task.plant, PLANT_BOUNDS),
+        ("plant", task.plant, (*PLANT_BOUNDS, *DRIVE_BOUNDS)),
         ("initial_set", task.initial_set, ("speed",)),
     )
     for title, table, names in options:
@@ -188,11 +188,31 @@ def _plant_problem(task: TaskTables) -> str | None:
             if entry < 0 or (positive and not entry):
                 field = f"plant.{name}[{i}]" if isinstance(value, tuple) else f"plant.{name}"
                 return f"{field}: is {decimal(entry)}; it must be {'greater than 0' if positive else '0 or greater'}"
+    if problem := _drive_problem(task):
+        return problem
     if task.plant.g_min is not None and task.plant.g_max is not None:
         for i, b in enumerate(task.plant_bounds):
             if b.g_min > b.g_max:
                 low, high = (f"[{i}]" if isinstance(v, tuple) else "" for v in (task.plant.g_min, task.plant.g_max))
                 return f"plant.g_min{low}: is {decimal(b.g_min)}, above plant.g_max{high} = {decimal(b.g_max)}"
+    return None
+
+
+def _drive_problem(task: TaskTables) -> str | None:
+    """Return a message where a bound on a drive is out of range, or lacks what its proof needs, else None."""
+    for name in DRIVE_BOUNDS:
+        value = getattr(task.plant, name)
+        for i, entry in enumerate(value if isinstance(value, tuple) else () if value is None else (value,)):
+            field = f"plant.{name}[{i}]" if isinstance(value, tuple) else f"plant.{name}"
+            if entry < 0 or (name == "slew" and not entry):
+                return f"{field}: is {decimal(entry)}; it must be {'greater than 0' if name == 'slew' else '0 or greater'}"
+            if name == "overshoot" and entry >= 1:
+                return f"{field}: is {decimal(entry)}; it must be less than 1, a share of a step"
+        if value is None:
+            continue
+        for option, why in (("period", "the time between samples"), ("u_max", "how large a command may be")):
+            if getattr(task.control, option) is None:
+                return f"control.{option}: is missing; with plant.{name} a proof needs {why}"
     return None
 
 
