@@ -161,7 +161,7 @@ def _sampled(task: Task, proof: PeriodProof) -> dict[str, Any]:
 
 def _path(path: PathClaim) -> dict[str, Any]:
     """Return Q_pk, the distance to which no path of a component comes nearer, and A in seconds; null where one path is enough."""
-    return {"nearest": str(path.nearest), "history": None if path.history is None else str(path.history)}
+    return {"nearest": str(Fraction(str(below(path.nearest)))), "history": None if path.history is None else str(path.history)}
 
 
 # ------------------------------------------------------------------------------------------------ decimals

@@ -165,7 +165,7 @@ def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
     """Require the claim about samples, and prove P9."""
     wanted: dict[str, Any] = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
     wanted |= {"plant": task.stated} | ({"period_min": str(task.shortest)} if task.differs else {})
-    require({*claim} == {"rho", "u", "shift", *wanted}, "the certificate's `sampled` is unknown")
+    require({*claim} - {"path"} == {"rho", "u", "shift", *wanted}, "the certificate's `sampled` is unknown")
     for key, value in wanted.items():
         require(same(claim[key], value), f"the certificate's sampled {key} is not the task's")
     rho, u, shift = (fractions(claim[key], task.n) for key in ("rho", "u", "shift"))
@@ -174,10 +174,17 @@ def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
         all(a <= b for a, b in zip(smallest, shift, strict=True)),
         "P9 does not hold: the law sees a larger error than `shift` says",
     )
-    largest = period.prove(task, tube, law, rho, shift)
+    for x, (a, b) in zip(task.state, tube.start, strict=True):
+        is_inside = abs(2 * x / tube.unit - a - b) <= task.share * (b - a)
+        require(is_inside, "P9 does not hold: initial_state is outside the start share")
+    if "path" in claim:
+        largest = period.prove_paths(task, tube, law, claim["path"], (rho, u, shift))
+    else:
+        require(not task.is_late, "P9 does not hold: inputs act late, and the certificate has no path for them")
+        largest = period.prove(task, tube, law, rho, shift)
     require(all(a <= b for a, b in zip(largest, u, strict=True)), "P9 does not hold: |u| may be more than is claimed")
     if task.turns:
-        task.turns.prove_steps(tube, u, law.filters)
+        task.turns.prove_steps(tube, [v * (1 + 2 * nu) for v, nu in zip(u, task.opposite, strict=True)], law.filters)
 
 
 def _files_of(task: Task, hashes: dict[str, str]) -> tuple[dict[str, str], set[str]]:

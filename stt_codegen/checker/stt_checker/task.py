@@ -24,7 +24,8 @@ KNOWN_KEYS = {
     "mission": "visit between stay then within never before patrol every until formula",
     "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
     "control": "gain e_max u_max period latency outside velocity period_min saturate",
-    "emit": "scalar math tick_period selftest rust", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
+    "emit": "scalar math tick_period selftest rust",
+    "plant": "order f_max w_max g_min g_max g_cross noise noise_v lag lag2 slew overshoot",
 }  # fmt: skip
 LISTS = ("unsafe", "region", "mission")
 
@@ -141,6 +142,12 @@ class Task:
         keys = KNOWN_KEYS["plant"].split()[1 : 6 + self.order]
         self.plant = {k: numbers(plant[k], n) if k in plant else None for k in keys}
         self.stated = {k: as_text(plant[k]) if k in plant else None for k in keys}  # as the certificate repeats it
+        self.drive = {k: numbers(plant[k], n) for k in ("lag", "lag2", "slew", "overshoot") if k in plant}
+        self.stated |= {k: as_text(plant[k]) for k in self.drive}
+        lags = [self.drive.get(k, [Fraction(0)] * n) for k in ("lag", "lag2")]
+        self.lags = [[t for t in pair if t] for pair in zip(*lags, strict=True)]  # seconds, by component
+        self.slew = self.drive.get("slew", [None] * n)
+        self.opposite = [m / (1 - m) if m < 1 else m for m in self.drive.get("overshoot", [Fraction(0)] * n)]  # M + M^2 + ..
 
     def _read_law(self, control: dict[str, Any]) -> None:
         """Read what the task states about gain, limits and samples."""
@@ -163,8 +170,10 @@ class Task:
 
     def _refuse_contradictions(self, plant: dict[str, Any], control: dict[str, Any]) -> None:
         """Refuse values out of range, and combinations of which nothing is proved."""
-        bounds = [v for values in self.plant.values() for v in values or []]
+        drive = [v for values in self.drive.values() for v in values]
+        bounds = [*drive, *(v for values in self.plant.values() for v in values or [])]
         rates = [*(self.max_speed or []), *(self.max_acceleration or []), *(self.u_max or []), *(self.filter or [])]
+        rates += self.drive.get("slew", [])
         gains = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or [])]
         times = [v for v in (self.t_c, self.period, self.shortest, self.tick) if v is not None]
         has_mission, is_equal = "mission" in self.document, self.u_max is not None and len({*self.u_max}) == 1
@@ -173,6 +182,8 @@ class Task:
         for is_wrong, what in (
             (min([*times, self.share, *self.e_max, *rates, *gains]) <= 0, "a number that is not positive"),
             (max(self.share, *self.e_max) >= 1, "a share or an e_max that is not below 1"),
+            (max(self.drive.get("overshoot", [0])) >= 1, "an overshoot that is not below 1"),
+            (bool(drive) and (self.period is None or self.u_max is None), "a drive where nothing is proved about it"),
             (min([self.clearance, self.latency, self.start_delay, *self.body, *self.speed, *bounds]) < 0, "a negative number"),
             (len({o.name for o in self.unsafe}) < len(self.unsafe), "two unsafe sets of one name"),
             (type(self.repeats) is not bool, "a `repeat` that is neither true nor false"),
@@ -203,6 +214,11 @@ class Task:
     def start_share(self) -> Fraction:
         """The share of gamma(0) that covered starts are within: that of P9, or where the law is not clamped."""
         return min(self.e_max) if self.period is None else self.share
+
+    @property
+    def is_late(self) -> bool:
+        """Whether an input may act later than its sample, or otherwise than it is commanded."""
+        return self.latency > 0 or any(map(any, self.lags)) or any(self.slew) or any(self.opposite)
 
     def bounds(self, i: int) -> Bounds:
         """Return the plant bounds of component i. A missing g_min or g_max is 1, or the other one where 1 contradicts it."""
