@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.suites.report import command, record, table
-from stt_codegen.sampling.path.drive import Drive
+from stt_codegen.sampling.path.drive_response import Drive
 from stt_codegen.sampling.path.path_proof import prove_path
 from stt_codegen.sampling.path.path_search import largest_proved
 from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, Row
@@ -354,8 +354,8 @@ class Simulation:
 
     def law(self, a: Array, b: Array) -> Array:
         """Return the input for the measured distances to the edges."""
-        width, least = a + b, (1 - E_MAX) / 2
-        near = np.where(width > 0, np.maximum(np.minimum(a, b), width * least), 1.0)
+        width, clamp = a + b, (1 - E_MAX) / 2
+        near = np.where(width > 0, np.maximum(np.minimum(a, b), width * clamp), 1.0)
         far = np.where(width > 0, width - near, 2.0)
         u = np.where(b < a, -1, 1) * self.column("gain") * (1 / near + 1 / far) * np.log(far / near)
         return np.clip(u, -self.column("u_max"), self.column("u_max"))
@@ -431,8 +431,8 @@ class TubeState:
         """Pass one step in which `acting` acts and everything pushes into `direction` as hard as it may."""
         column, dt = self.simulation.column, self.simulation.dt
         g = np.where(acting * direction < 0, column("g_min"), column("g_max"))
-        others = np.abs(acting.sum(axis=1, keepdims=True) - acting)
-        force = direction * (column("push") + column("cross") * others) + g * acting
+        coupled = np.abs(acting.sum(axis=1, keepdims=True) - acting)
+        force = direction * (column("push") + column("cross") * coupled) + g * acting
         if self.simulation.family.order == 2:
             self.x, self.v, self.rate = self.x + self.v * dt + force * dt**2 / 2, self.v + force * dt, force
             self._filter()

@@ -22,6 +22,7 @@ from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_d
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
+from stt_codegen.properties import Property
 from stt_codegen.report.bounds import UpdateFunctionBounds, round_down, round_up
 from stt_codegen.report.plant_table import uncovered_bounds
 from stt_codegen.sampling import (
@@ -180,6 +181,10 @@ class LoopAnalysis:
         if task.uses_differences:
             assumptions.append(
                 f"samples are at least {decimal(task.shortest_period)} s apart, and their distance is measured exactly"
+            )
+        if not all(bounds.acts_at_once for bounds in task.drive_bounds):
+            assumptions.append(
+                f"periods and gains here are for a drive that acts at once; {Property.PERIOD.label} has the task's"
             )
         if self.state_is_outside:
             assumptions.append(

@@ -15,7 +15,7 @@ import pytest
 from benchmarks.lag_attack import FAMILIES, attack
 from stt_codegen.program.analyse.exact_logarithm import logarithm
 from stt_codegen.sampling.path import worst_path
-from stt_codegen.sampling.path.drive import SHARE_ONE, Drive, DriveCells, decay_above
+from stt_codegen.sampling.path.drive_response import SHARE_ONE, Drive, DriveCells, decay_above
 from stt_codegen.sampling.path.integer_logarithm import ARTANH_ERROR, LOG_BITS, log_bounds, twice_artanh
 from stt_codegen.sampling.path.path_proof import follow_from_start, follow_local_paths, prove_path, prove_path_for
 from stt_codegen.sampling.path.path_search import largest_drive_factor, largest_proved, longest_path_period
@@ -131,8 +131,8 @@ def test_psi_is_above_every_input_of_the_law_at_a_nearer_state() -> None:
 
 def law(bounds: PathBounds, a: float, b: float, rng: random.Random) -> float:
     """Return the emitted law's input at measured distances, with rounding within its bound, limited to |u| <= U."""
-    width, least, r = a + b, float(1 - bounds.e_max) / 2, float(bounds.rounding)
-    near = max(min(a, b), width * least)
+    width, clamp, r = a + b, float(1 - bounds.e_max) / 2, float(bounds.rounding)
+    near = max(min(a, b), width * clamp)
     far = width - near
     size = (1 / far + 1 / near) * (math.log(far / near) + r * rng.uniform(-1, 1)) * (1 + r * rng.uniform(-1, 1))
     limit = float(bounds.input_bound)
@@ -205,6 +205,7 @@ def slow_path(bounds: PathBounds, start: Start, first_level: Fraction) -> list[F
         return F(0) if y == 1 else logarithm(y)[0] if y > 1 else -logarithm(1 / y)[1]
 
     def command(level: Fraction) -> Fraction:
+        """Return Psi at a level."""
         near = level + bounds.shift
         far = bounds.narrow - near
         if far <= 0:
@@ -240,8 +241,10 @@ def slow_path(bounds: PathBounds, start: Start, first_level: Fraction) -> list[F
         speed = bounds.closing_speed - bounds.filter_rate * level + (bounds.g_max if y > 0 else bounds.g_min) * y
         if start_time is not None and speed < 0:
             return levels
-        least = slowest if start_time is not None else cell * (bounds.closing_speed + bounds.g_max * bounds.input_bound) / 16
-        level -= max(cell * speed / (1 - bounds.filter_rate * cell), least, slowest)
+        smallest_fall = (
+            slowest if start_time is not None else cell * (bounds.closing_speed + bounds.g_max * bounds.input_bound) / 16
+        )
+        level -= max(cell * speed / (1 - bounds.filter_rate * cell), smallest_fall, slowest)
         if level <= 0:
             return [*levels, F(0)]
         levels.append(level.limit_denominator(1 << 60))
@@ -305,10 +308,10 @@ def test_harder_bounds_bring_the_path_nearer() -> None:
 
 def test_the_path_ends_where_nothing_moves_it_on_and_not_before_the_start() -> None:
     """For order 2 the path may turn round above the start; it must go on, or starts below would be forgotten."""
-    calm = replace(BOUNDS, filter_rate=F(2), closing_speed=F(1, 2), drive=Drive())
+    gentle = replace(BOUNDS, filter_rate=F(2), closing_speed=F(1, 2), drive=Drive())
     for share in (20, 10, 4):
-        start = Start(calm.narrow / share, F(0))
-        path = follow_worst_path(calm, start)
+        start = Start(gentle.narrow / share, F(0))
+        path = follow_worst_path(gentle, start)
         assert 0 < path.nearest <= start.nearest
     for bounds, start in drawn(40, seed=3):
         assert follow_worst_path(bounds, start).nearest <= start.nearest
@@ -348,7 +351,7 @@ def test_a_path_that_proves_nothing_has_no_rho() -> None:
 
 
 def row(speed: float, narrow: float, wide: float, cross: tuple[Fraction, ...] = (F(0),)) -> Row:
-    return Row(F(speed), cross, F(1), F(1), F(narrow), F(wide))
+    return Row(closing_speed=F(speed), cross=cross, g_min=F(1), g_max=F(1), narrow=F(narrow), wide=F(wide))
 
 
 def loop_of_rows(rows: list[Row], drive: Drive = BOUNDS.drive, **law: Fraction) -> PathLoop:
@@ -359,7 +362,15 @@ def loop_of_rows(rows: list[Row], drive: Drive = BOUNDS.drive, **law: Fraction) 
     }  # fmt: skip
     component = ComponentLaw(**(values | law))
     begins = tuple(F(k, 2) for k in range(len(rows)))
-    return PathLoop(begins, (tuple(rows),), (component,), (drive,), F(1, 50), F(0), math.inf)
+    return PathLoop(
+        begins=begins,
+        rows=(tuple(rows),),
+        laws=(component,),
+        drives=(drive,),
+        age=F(1, 50),
+        latency=F(0),
+        largest_known_age=math.inf,
+    )
 
 
 SLOW_WIDE = [row(0.35, 0.8, 0.8)] * 6
@@ -380,15 +391,15 @@ def test_recent_bounds_prove_what_bounds_of_the_whole_time_do_not() -> None:
 
 
 def test_bounds_older_than_the_history_do_not_matter_but_the_inputs_of_all_time_do() -> None:
-    calm = loop_of_rows([row(0.5, 1.0, 1.0)] * 12)
-    path = follow_local_paths(calm, 0, [F(2)])
+    gentle = loop_of_rows([row(0.5, 1.0, 1.0)] * 12)
+    path = follow_local_paths(gentle, 0, [F(2)])
     assert path is not None
     assert path.history is not None
-    last = len(calm.begins) - 1
-    old = calm.row_at(calm.begins[last] - path.history)
+    last = len(gentle.begins) - 1
+    old = gentle.row_at(gentle.begins[last] - path.history)
     assert 0 < old < last
     harder = loop_of_rows([row(0.9, 0.9, 1.1)] * old + [row(0.5, 1.0, 1.0)] * (last + 1 - old))
-    assert harder.bounds_over(0, old, last, [F(2)]) == calm.bounds_over(0, old, last, [F(2)])
+    assert harder.bounds_over(0, old, last, [F(2)]) == gentle.bounds_over(0, old, last, [F(2)])
     unlimited = loop_of_rows([row(0.9, 0.9, 1.1)] * old + [row(0.5, 1.0, 1.0)] * (last + 1 - old), u_max=None)
     assert unlimited.input_bound(0, F(50)) == unlimited.laws[0].input_bound(F(0.9), F(50))  # of the first, narrowest window
 

@@ -30,11 +30,12 @@ SHARES = tuple(Fraction(k, 20) for k in range(18, 3, -1))  # of the starts, whic
 def prove_late_period(task: Task, loop: PathLoop, rho_of_conditions: Sequence[Fraction] | None) -> PeriodProof | None:
     """Prove the task's period by the path; None where it does not.
 
-    rho_of_conditions: e^E by component as the sharp conditions prove it for such an age. The path takes it where it can, so that
-    theorems about these conditions are about the same numbers.
+    rho_of_conditions: e^E by component as the sharp conditions prove it for such an age. The path takes it where that is larger,
+    so that theorems about these conditions are about the same numbers.
     """
-    proof = None if rho_of_conditions is None else prove_path_for(loop, rho_of_conditions)
-    proof = proof or prove_path(loop)
+    proof = prove_path(loop)
+    if proof is not None and rho_of_conditions is not None:
+        proof = prove_path_for(loop, [max(pair) for pair in zip(proof.rho, rho_of_conditions, strict=True)]) or proof
     return None if proof is None else _period_proof(task, loop, proof)
 
 

@@ -25,8 +25,8 @@ def follow(b: Any, start: Fraction | None, first: Fraction) -> tuple[Fraction, F
     length, unit = power(b.wide) / (1 << 47), power(b.u) / (1 << 47)
     narrow, shift, largest = math.floor(b.narrow / length), math.ceil(b.shift / length), math.ceil(b.u / unit)
     decays = [math.ceil(SHARE / sum((h / lag) ** j / math.factorial(j) for j in range(8))) for lag in b.lags]
-    slew_step, back = math.floor((b.slew or 0) * h / unit), math.ceil(b.age / h)
-    newer, begin = math.floor((back - b.age / h) * SHARE), math.floor((start or 0) / length)
+    slew_step, age_cells = math.floor((b.slew or 0) * h / unit), math.ceil(b.age / h)
+    newer, begin = math.floor((age_cells - b.age / h) * SHARE), math.floor((start or 0) / length)
 
     def law(far: Any, near: Any) -> int:
         log = (logarithm(Fraction(far) / near)[0] if far >= near else -logarithm(Fraction(near) / far)[1]) - b.rounding
@@ -55,21 +55,21 @@ def follow(b: Any, start: Fraction | None, first: Fraction) -> tuple[Fraction, F
     level, state, clipped, started = math.ceil(b.wide / length), [largest] * (1 + len(decays)), 0, start is None
     while level * 7 // 8 > begin and psi(level * 7 // 8) == largest:
         level = level * 7 // 8
-    levels, least_before = [level], h * (b.speed + b.g_max * b.u) / 16 / length
+    levels, smallest_before = [level], h * (b.speed + b.g_max * b.u) / 16 / length
     while level > 0 and len(levels) < 1 << 14:
-        older, after = levels[max(len(levels) - 1 - back, 0)], levels[-back if len(levels) > back else 0]
-        c = psi(older - (older - after) * newer // SHARE) if len(levels) > back else largest
+        older, after = levels[max(len(levels) - 1 - age_cells, 0)], levels[-age_cells if len(levels) > age_cells else 0]
+        c = psi(older - (older - after) * newer // SHARE) if len(levels) > age_cells else largest
         if not started and level <= begin:
             started, clipped = True, math.ceil(first / h)
         if not started or clipped > 0:
             c, clipped = max(c, 0), clipped - 1
         falls = at_edge(acts(state, c)) - h * b.filter_rate * level
         if started and (falls if start is not None else at_edge(acts(state, c))) < 0:
-            cells, forgetting = len(levels) + back + 1, [largest] * (1 + len(decays))
+            cells, forgetting = len(levels) + age_cells + 1, [largest] * (1 + len(decays))
             while start is None and at_edge(acts(forgetting, psi(level))) >= 0 and cells < 1 << 15:
                 cells, forgetting = cells + 1, a_cell_later(forgetting, psi(level))
             return level * length, cells * h
-        level -= math.ceil(max(falls / (1 - h * b.filter_rate), h * b.speed / 64 / length, 0 if started else least_before))
+        level -= math.ceil(max(falls / (1 - h * b.filter_rate), h * b.speed / 64 / length, 0 if started else smallest_before))
         levels.append(level)
         state = a_cell_later(state, c)
     return Fraction(0), Fraction(0)

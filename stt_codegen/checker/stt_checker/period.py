@@ -103,7 +103,7 @@ def shifts(task: Any, tube: Tube, law: Law) -> list[Fraction]:
 
 
 def prove_paths(task: Any, tube: Tube, law: Law, claims: Any, numbers: tuple[list[Fraction], ...]) -> list[Fraction]:
-    """Prove P9 by worst paths, one claim by component. numbers: the certificate's rho, u and shift. Return a bound on each |u_i|."""
+    """Prove P9 by worst paths, one claim by component. numbers: the claimed rho, u and shift. Return a bound on each |u_i|."""
     rho, u, shift = numbers
     acting, limit = [v * (1 + 2 * nu) for v, nu in zip(u, task.opposite, strict=True)], emitted_limits(task, law.bits)
     segments, bounds, seam = windows(task, tube, law.filters), [], tube.seam

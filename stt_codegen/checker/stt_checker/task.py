@@ -133,6 +133,7 @@ class Task:
         return target
 
     def _read_plant(self, plant: dict[str, Any], starts: dict[str, Any], tube: dict[str, Any]) -> None:
+        """Read the plant's order and bounds, its drives, and how it starts."""
         self.order, n = plant.get("order", 1), self.n
         self.share, self.speed = number(starts.get("share", Decimal("0.9"))), numbers(starts.get("speed", 0), n)
         if type(self.order) is not int or self.order not in (1, 2):

@@ -8,9 +8,9 @@ call takes 2 microseconds; `program/analyse/exact_logarithm.py` takes a thousand
 from __future__ import annotations
 
 LOG_BITS = 64
-ONE = 1 << LOG_BITS
+LOG_ONE = 1 << LOG_BITS
 LAST_POWER = 27  # of the series of artanh; what is left out is below 2^-76
-RECIPROCALS = tuple(ONE // j for j in range(LAST_POWER - 2, 0, -2))
+RECIPROCALS = tuple(LOG_ONE // j for j in range(LAST_POWER - 2, 0, -2))
 ARTANH_ERROR = 6  # units of 2^-64 by which `twice_artanh` may be too small; it is never too large
 
 
@@ -23,7 +23,7 @@ def twice_artanh(numerator: int, denominator: int) -> int:
     """
     z = (numerator << LOG_BITS) // denominator
     square = z * z >> LOG_BITS
-    total = ONE // LAST_POWER
+    total = LOG_ONE // LAST_POWER
     for reciprocal in RECIPROCALS:
         total = reciprocal + (total * square >> LOG_BITS)
     return 2 * (total * z >> LOG_BITS)

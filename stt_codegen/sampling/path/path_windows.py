@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.sampling.path.drive import Drive
+from stt_codegen.sampling.path.drive_response import Drive
 from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
 from stt_codegen.sampling.path.worst_path import PathBounds, Start
 from stt_codegen.sampling.sampled_loop import SampledLoop
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Row:
     """The bounds of one component in one window: P without the other inputs, |g_ij| by j, and g_ii, and the widths."""
 
@@ -29,7 +29,7 @@ class Row:
     wide: Fraction
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ComponentLaw:
     """The law and the start of one component: as in `SampledLaw`; u_max is None without a limit, rho_at_start is e^|eps(0)|."""
 
@@ -48,9 +48,9 @@ class ComponentLaw:
         the narrowest tube (the lemma `sampled.shift`).
         """
         far, near = narrow * rho / (1 + rho) + self.shift, narrow / (1 + rho) - self.shift
-        clamp, least_width = (1 - self.e_max) / 2, narrow - 2 * self.shift
+        clamp, smallest_width = (1 - self.e_max) / 2, narrow - 2 * self.shift
         if near <= (far + near) * clamp:
-            far, near = (1 - clamp) * least_width, clamp * least_width
+            far, near = (1 - clamp) * smallest_width, clamp * smallest_width
         if near <= 0:
             return self.u_max
         ratio = far / near
@@ -59,7 +59,7 @@ class ComponentLaw:
         return largest if self.u_max is None else min(largest, self.u_max)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PathLoop:
     """A loop for the worst path.
 
@@ -125,7 +125,15 @@ class PathLoop:
         ]
         rows = tuple(tuple(row(i, k) for k in order) for i in range(n))
         latency = Fraction(law.latency)
-        return cls(tuple(begins), rows, tuple(laws), tuple(drives), period + latency, latency, loop.largest_known_age)
+        return cls(
+            begins=tuple(begins),
+            rows=rows,
+            laws=tuple(laws),
+            drives=tuple(drives),
+            age=period + latency,
+            latency=latency,
+            largest_known_age=loop.largest_known_age,
+        )
 
     def with_period(self, period: Fraction) -> PathLoop:
         """Return the same loop for another sampling period."""

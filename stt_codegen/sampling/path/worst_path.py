@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from stt_codegen.sampling.path.drive import SHARE_BITS, SHARE_ONE, Drive, DriveCells
+from stt_codegen.sampling.path.drive_response import SHARE_BITS, SHARE_ONE, Drive, DriveCells
 from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
 
 UNIT_BITS = 48  # the largest width and the largest input have so many bits
@@ -143,7 +143,7 @@ class _Law:
         return min(max(u, self.clamped, self.smallest), self.largest)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _Fall:
     """By how much the path falls in a cell, in whole units; gamma and the filter's part with it.
 
@@ -195,8 +195,8 @@ class _Path:
         self.law = _Law(bounds, self.length_unit, self.input_unit)
         self.fall = _Fall.of(bounds, self.input_unit / self.length_unit, self.length_unit)
         self.shift = _above(bounds.shift / self.length_unit)
-        self.back = max(_above(bounds.age / self.cell), 1)  # cells from a cell's begin to the one in which its sample lies
-        self.newer_share = _below((self.back - bounds.age / self.cell) * SHARE_ONE)
+        self.age_cells = max(_above(bounds.age / self.cell), 1)  # cells from a cell's begin to the one in which its sample lies
+        self.newer_share = _below((self.age_cells - bounds.age / self.cell) * SHARE_ONE)
         self.start_level = 0 if start is None else _below(start.nearest / self.length_unit)
 
     @cached_property
@@ -237,7 +237,7 @@ class _Path:
 
     def _command(self, levels: list[int]) -> int:
         """Return a bound on u in the cell that begins at the last level: of the sample tau before, on the broken line."""
-        older = len(levels) - 1 - self.back
+        older = len(levels) - 1 - self.age_cells
         if older < 0:
             return self.law.largest
         fallen = (levels[older] - levels[older + 1]) * self.newer_share >> SHARE_BITS
@@ -249,11 +249,11 @@ class _Path:
             return None
         drive, command, forgetting = self._drive(), self.law.command(level + self.shift), 0
         while self.fall.at_edge(drive.acting(command)) >= 0:
-            if forgetting == CELL_COUNT_LIMIT or drive.has_settled(command):
+            if forgetting == CELL_COUNT_LIMIT or drive.is_steady(command):
                 return None
             drive.step(command)
             forgetting += 1
-        return (cells + self.back + forgetting + 1) * self.cell
+        return (cells + self.age_cells + forgetting + 1) * self.cell
 
 
 def follow_worst_path(bounds: PathBounds, start: Start | None = None) -> WorstPath:

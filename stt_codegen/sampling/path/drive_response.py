@@ -1,4 +1,4 @@
-"""How late and how strongly a drive answers to its commands: lag, slew and overshoot, for one component.
+"""How a drive answers to its commands: lag, slew and overshoot, for one component.
 
 `Drive` is data; `DriveCells` bounds what a drive makes of commands that are at most c, cell by cell, in whole numbers. All
 values of `DriveCells` are in one unit of the input, and every rounding is up (docs/sampling-path.md, section 3).
@@ -87,7 +87,7 @@ class DriveCells:
         both_ways = value + self.input_bound
         return value - (-both_ways * self.opposite_weight >> SHARE_BITS) if both_ways > 0 else value
 
-    def has_settled(self, command: int) -> bool:
+    def is_steady(self, command: int) -> bool:
         """Return whether all that acts has come to a constant command, up to rounding, and will not change."""
         return all(value - command <= 1 for value in (*self.stages, *([] if self.slew_step is None else [self.ramp])))
 
