@@ -20,6 +20,7 @@ from stt_codegen.sampling.order_two import (
     velocity_bounds,
 )
 from stt_codegen.sampling.path import (
+    Drive,
     PathLoop,
     PathProof,
     choose_path_gain,
@@ -27,6 +28,7 @@ from stt_codegen.sampling.path import (
     longest_path_period,
     prove_path,
     prove_path_for,
+    with_gain,
 )
 from stt_codegen.sampling.periods import Period, inputs_where_proved, longest_proved_period, prove_for_period
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task, minimum_eigenvalue
@@ -59,6 +61,7 @@ __all__ = [
     "SAMPLING_CONDITIONS",
     "WORTHWHILE_PERIOD_RATIO",
     "Bounds",
+    "Drive",
     "Fractions",
     "GainChoice",
     "Gains",
@@ -111,5 +114,6 @@ __all__ = [
     "start_bound_of_task",
     "velocity_bounds",
     "weakest_effect",
+    "with_gain",
     "worst_with_previous_window",
 ]

@@ -12,6 +12,7 @@ from fractions import Fraction
 from stt_codegen.certify.certificate import PathClaim, PeriodProof
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.sampling import (
+    Drive,
     PathLoop,
     PathProof,
     choose_path_gain,
@@ -20,10 +21,11 @@ from stt_codegen.sampling import (
     prove_path,
     prove_path_for,
 )
-from stt_codegen.task import Task
+from stt_codegen.task import DriveBounds, Task
 
 PROMISING_DELAY_SHARE = Fraction(1, 2)  # of W/P: a drive that is later than this needs another tube, and no search is made
 ALLOWED_DELAY_SHARE = Fraction(1, 5)  # of W/P: about what is proved, by experience
+RETREATS = tuple(Fraction(k, 100) for k in (100, 99, 97, 90))  # of a searched value, until it is proved with few digits
 SHARES = tuple(Fraction(k, 20) for k in range(18, 3, -1))  # of the starts, which a refusal tries
 
 
@@ -96,39 +98,48 @@ def _delay_beside_tube(loop: PathLoop) -> tuple[Fraction, Fraction]:
 
 
 def _remedies(task: Task, loop: PathLoop) -> Iterator[str]:
-    """Yield changes of the task with which the path proves it, one at a time."""
+    """Yield changes of the task with which the path proves it, one at a time; those but the first keep this gain."""
     sign = 1 if task.gain[0] > 0 else -1
+    with_this_gain = f"with gain {by_component(task.gain)}"
     gain = choose_path_gain(loop, disturbances(task))
     if gain is not None:
         chosen = by_component([sign * v for v in gain])
         yield f'control.gain = "auto" (here {chosen})' if sign > 0 else f"control.gain = {chosen}"
     period = longest_path_period(loop, task.sampling_period)
-    if period is not None:
-        yield f"control.period = {below(period, 3):g}"
+    for value in [] if period is None else [period * retreat for retreat in RETREATS]:
+        rounded = Fraction(str(below(value, 3)))
+        if prove_path(loop.with_period(rounded)) is not None:
+            yield f"control.period = {decimal(rounded)} {with_this_gain}"
+            break
     factor = largest_drive_factor(loop) if any(drive.delay(Fraction(1)) for drive in loop.drives) else None
-    if factor is not None and factor < 1:
-        yield f"a quicker drive ({_quicker_drive(task, factor)})"
-    if task.order == 1:
-        yield from _smaller_share(task, loop)
+    for value in [] if factor is None or factor >= 1 else [factor * retreat for retreat in RETREATS]:
+        drives = [_quicker(bounds, value) for bounds in task.drive_bounds]
+        if prove_path(loop.with_drives([Drive.of(bounds) for bounds in drives])) is not None:
+            yield f"{_written(drives)} {with_this_gain}"
+            break
+    share = _smaller_share(task, loop) if task.order == 1 else None
+    if share is not None:
+        yield f"initial_set.share = {decimal(share)} {with_this_gain}"
 
 
-def _quicker_drive(task: Task, factor: Fraction) -> str:
-    """Write the task's lags and slew as they are proved."""
-    drives, parts = task.drive_bounds, []
-    for name in ("lag", "lag2"):
-        values = [getattr(d, name) for d in drives]
-        if any(values):
-            parts.append(f"plant.{name} = {by_component([below(v * factor, 3) for v in values])}")
-    if any(d.slew for d in drives):
-        parts.append(f"plant.slew = {by_component([above((d.slew or Fraction(0)) / factor, 3) for d in drives])}")
-    return " and ".join(parts)
+def _quicker(bounds: DriveBounds, factor: Fraction) -> DriveBounds:
+    """Return a drive that takes this part of the time, in numbers of 3 digits that make it no slower than that."""
+    lag, lag2 = (Fraction(str(below(v * factor, 3))) for v in (bounds.lag, bounds.lag2))
+    slew = None if bounds.slew is None else Fraction(str(above(bounds.slew / factor, 3)))
+    return DriveBounds(lag, lag2, slew, bounds.overshoot)
 
 
-def _smaller_share(task: Task, loop: PathLoop) -> Iterator[str]:
-    """Yield the largest share of the starts below the task's with which the path proves the task."""
+def _written(drives: Sequence[DriveBounds]) -> str:
+    """Write lags and slew as a task file states them."""
+    stated = {name: [getattr(bounds, name) for bounds in drives] for name in ("lag", "lag2", "slew")}
+    return " and ".join(f"plant.{name} = {by_component(values)}" for name, values in stated.items() if any(values))
+
+
+def _smaller_share(task: Task, loop: PathLoop) -> Fraction | None:
+    """Return the largest share of the starts below the task's with which the path proves the task; None where none does."""
     for share in SHARES:
         if share < task.initial_set.share:
             laws = [replace(law, rho_at_start=(1 + share) / (1 - share)) for law in loop.laws]
             if prove_path(loop.with_laws(laws)) is not None:
-                yield f"initial_set.share = {decimal(share)}"
-                return
+                return share
+    return None

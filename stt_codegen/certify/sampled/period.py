@@ -38,13 +38,16 @@ from stt_codegen.sampling import (
     loop_of,
     path_loop_of,
     prove_for_period,
+    prove_path,
     rounded_gain,
+    with_gain,
 )
 from stt_codegen.task import Task
 
 Array = npt.NDArray[np.float64]
 # Shares by which the rho of an E from the search in doubles is raised, until the fractions agree.
 RAISES = (Fraction(0), Fraction(1, 10**6), Fraction(1, 10**4), Fraction(1, 10**3))
+PERIOD_WITH_MARGIN = Fraction(1001, 1000)  # times the period, of the gain that the path chooses
 
 
 # An overflow in a search is infinite, and proves nothing; what is returned was proved in fractions. So NumPy need not warn.
@@ -54,19 +57,27 @@ def choose_gain(
 ) -> tuple[Fraction, ...]:
     """Choose the gain for control.gain = "auto": the one that keeps |e| smallest at the task's period.
 
-    Where the drive lags, it is the gentlest that the worst path proves with a reserve. Where no gain is proved for the period, it
-    is the gain of the longest period; the refusal then says what would do.
+    Where the drive lags, or the sharp conditions prove no gain for the period, it is the gentlest that the worst path proves with
+    a reserve. Where no gain is proved at all, it is that of the longest period; the refusal then says what would do.
     """
     loop = loop_of(task, design, edge_error, rate)
-    path_loop = path_loop_of(task, design, exact_loop(task, design, edge_error, rate)) if task.has_late_input else None
-    if path_loop is not None and not all(bounds.acts_at_once for bounds in task.drive_bounds):
-        path_gain = choose_path_gain(path_loop, disturbances(task))
-        if path_gain is not None:
-            return path_gain
-    proportions = balancing_gain(loop)
+    # a little longer than the period, since the arithmetic's errors with the chosen gain are not known yet
+    path_loop = path_loop_of(task, design, exact_loop(task, design, edge_error, rate))
+    path_loop = path_loop.with_period(task.sampling_period * PERIOD_WITH_MARGIN)
     age = float(task.sampling_period + task.control.latency)
-    choice = choose_proved_gain(loop, age, kinds=("sharp",)) or Gains(loop, proportions, kinds=("sharp",)).with_longest_period
-    gain = rounded_gain(proportions) if choice is None else choice.gain
+    acts_at_once = all(bounds.acts_at_once for bounds in task.drive_bounds)
+    choice = choose_proved_gain(loop, age, kinds=("sharp",)) if acts_at_once else None
+    gain = None if choice is None else _as_fractions(choice.gain)
+    if gain is None or (task.has_late_input and prove_path(with_gain(path_loop, gain)) is None):
+        gain = choose_path_gain(path_loop, disturbances(task)) or gain
+    if gain is None:
+        proportions = balancing_gain(loop)
+        longest = Gains(loop, proportions, kinds=("sharp",)).with_longest_period
+        gain = _as_fractions(rounded_gain(proportions) if longest is None else longest.gain)
+    return gain
+
+
+def _as_fractions(gain: Array) -> tuple[Fraction, ...]:
     return tuple(Fraction(f"{k:.12g}") for k in gain.tolist())
 
 

@@ -161,6 +161,14 @@ def _check_start(task: Task, tube: tubes.Tube, certificate: Any) -> None:
     require(certificate["covers_initial_set"] is (max(lack) <= 0), "the certificate's covers_initial_set is wrong")
 
 
+def _read_paths(claim: Any, n: int) -> list[tuple[Fraction, Fraction | None]]:
+    """Return by component how near its paths come to an edge, and over how many seconds bounds count; None: from the start on."""
+    is_list = isinstance(claim, list) and len(claim) == n and all({*v} == {"nearest", "history"} for v in claim)
+    require(is_list, "the certificate's path is unknown")
+    numbers = [[v for v in (entry["nearest"], entry["history"]) if v is not None] for entry in claim]
+    return [(values[0], values[1] if len(values) > 1 else None) for values in (fractions(v, len(v)) for v in numbers)]
+
+
 def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
     """Require the claim about samples, and prove P9."""
     wanted: dict[str, Any] = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
@@ -178,7 +186,7 @@ def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
         is_inside = abs(2 * x / tube.unit - a - b) <= task.share * (b - a)
         require(is_inside, "P9 does not hold: initial_state is outside the start share")
     if "path" in claim:
-        largest = period.prove_paths(task, tube, law, claim["path"], (rho, u, shift))
+        largest = period.prove_paths(task, tube, law, _read_paths(claim["path"], task.n), (rho, u, shift))
     else:
         require(not task.is_late, "P9 does not hold: inputs act late, and the certificate has no path for them")
         largest = period.prove(task, tube, law, rho, shift)

@@ -7,8 +7,6 @@ from typing import Any
 
 from .exact import logarithm, require
 
-SHARE = 1 << 48  # of the decay of a lag in a cell
-
 
 def power(value: Fraction) -> Fraction:
     """Return the largest power of two that is at most the value."""
@@ -24,14 +22,15 @@ def follow(b: Any, start: Fraction | None, first: Fraction) -> tuple[Fraction, F
     h = longest // (power(longest) / 4) * power(longest) / 4
     length, unit = power(b.wide) / (1 << 47), power(b.u) / (1 << 47)
     narrow, shift, largest = math.floor(b.narrow / length), math.ceil(b.shift / length), math.ceil(b.u / unit)
-    decays = [math.ceil(SHARE / sum((h / lag) ** j / math.factorial(j) for j in range(8))) for lag in b.lags]
+    decays = [math.ceil((1 << 48) / sum((h / lag) ** j / math.factorial(j) for j in range(8))) for lag in b.lags]
     slew_step, age_cells = math.floor((b.slew or 0) * h / unit), math.ceil(b.age / h)
-    newer, begin = math.floor((age_cells - b.age / h) * SHARE), math.floor((start or 0) / length)
+    newer, begin = math.floor((age_cells - b.age / h) * (1 << 48)), math.floor((start or 0) / length)
 
     def law(far: Any, near: Any) -> int:
         log = (logarithm(Fraction(far) / near)[0] if far >= near else -logarithm(Fraction(near) / far)[1]) - b.rounding
-        strength = 1 - b.rounding if log > 0 else 1 + b.rounding
-        return math.ceil(-b.gain * strength * (Fraction(1, far) + Fraction(1, near)) * log / length / unit)
+        return math.ceil(
+            -b.gain * (1 - b.rounding if log > 0 else 1 + b.rounding) * (far + near) * log / far / near / length / unit
+        )
 
     clamp = (b.wide + 2 * b.shift) / 2 / length
     weakest = max(law(clamp * (1 + b.e_max), clamp * (1 - b.e_max)), -math.floor(b.limit / unit))
@@ -41,12 +40,11 @@ def follow(b: Any, start: Fraction | None, first: Fraction) -> tuple[Fraction, F
         return largest if near >= narrow else min(max(law(narrow - near, near), weakest), largest)
 
     def acts(state: list[int], c: int) -> int:
-        y = state[-1] if decays else max(c, state[0]) if b.slew else c
-        return y + math.ceil(b.nu * max(y + largest, 0))
+        return (y := state[-1] if decays else max(c, state[0]) if b.slew else c) + math.ceil(b.nu * max(y + largest, 0))
 
     def a_cell_later(state: list[int], c: int) -> list[int]:
         inputs = [max(c, state[0]) if b.slew else c, *state[1:]][: len(decays)]
-        stages = [x - (x - v) * q // SHARE for x, v, q in zip(inputs, state[1:], decays, strict=True)]
+        stages = [x - (x - v) * q // (1 << 48) for x, v, q in zip(inputs, state[1:], decays, strict=True)]
         return [max(c, state[0] - slew_step), *stages]
 
     def at_edge(y: int) -> Fraction:
@@ -56,9 +54,9 @@ def follow(b: Any, start: Fraction | None, first: Fraction) -> tuple[Fraction, F
     while level * 7 // 8 > begin and psi(level * 7 // 8) == largest:
         level = level * 7 // 8
     levels, smallest_before = [level], h * (b.speed + b.g_max * b.u) / 16 / length
-    while level > 0 and len(levels) < 1 << 14:
+    while level > 0 and len(levels) < 1 << 14 and h * b.filter_rate < 1:
         older, after = levels[max(len(levels) - 1 - age_cells, 0)], levels[-age_cells if len(levels) > age_cells else 0]
-        c = psi(older - (older - after) * newer // SHARE) if len(levels) > age_cells else largest
+        c = psi(older - (older - after) * newer // (1 << 48)) if len(levels) > age_cells else largest
         if not started and level <= begin:
             started, clipped = True, math.ceil(first / h)
         if not started or clipped > 0:
@@ -78,7 +76,7 @@ def follow(b: Any, start: Fraction | None, first: Fraction) -> tuple[Fraction, F
 def prove(b: Any, rows: list[Any], begins: list[Fraction], start: tuple[Fraction, Fraction], claim: Any) -> None:
     """Prove (3) of one component: that no path comes nearer than W+/(1 + rho), nor than is claimed. b: all that windows share,
     with `rho`. rows: P, the least and the largest width of every window, and when it begins. claim: the certificate's path."""
-    nearest, history = Fraction(claim["nearest"]), claim["history"] and Fraction(claim["history"])
+    nearest, history = claim
 
     def over(first: int, last: int) -> tuple[Fraction, ...]:
         speeds, narrow, wide = zip(*rows[first : last + 1], strict=True)
@@ -90,5 +88,5 @@ def prove(b: Any, rows: list[Any], begins: list[Fraction], start: tuple[Fraction
     paths = [(over(0, recent[0] - 1 if recent else len(rows) - 1), start[0]), *((v, None) for v in bounds - covered)]
     for (b.speed, b.narrow, b.wide), level in paths:
         distance, needed = follow(b, level, start[1])
-        require(distance * (1 + b.rho) > b.wide and distance >= nearest, f"P9 does not hold: a path meets the edge ({b.name})")
-        require(level is not None or needed <= (history or 0), f"P9 does not hold: a path needs more history ({b.name})")
+        is_proved = distance * (1 + b.rho) > b.wide and distance >= nearest and (level is not None or needed <= (history or 0))
+        require(is_proved, f"P9 does not hold: a path comes too near to an edge, or needs more history ({b.name})")

@@ -4,7 +4,7 @@ docs/sampling-path.md has the theorem and its proof.
 """
 
 from stt_codegen.sampling.path.drive_response import Drive
-from stt_codegen.sampling.path.path_gain import choose_path_gain
+from stt_codegen.sampling.path.path_gain import choose_path_gain, with_gain
 from stt_codegen.sampling.path.path_proof import PathProof, prove_path, prove_path_for
 from stt_codegen.sampling.path.path_search import largest_drive_factor, longest_path_period
 from stt_codegen.sampling.path.path_windows import PathLoop
@@ -18,4 +18,5 @@ __all__ = [
     "longest_path_period",
     "prove_path",
     "prove_path_for",
+    "with_gain",
 ]

@@ -43,13 +43,13 @@ def _choose_for(loop: PathLoop, disturbance: Sequence[Fraction]) -> tuple[Fracti
     proved = []
     for multiple in MULTIPLES:
         gain = tuple(Fraction(str(above(multiple * k, GAIN_DIGITS))) for k in resting)
-        if prove_path(loop_with(loop, gain)) is not None:
+        if prove_path(with_gain(loop, gain)) is not None:
             proved.append((multiple, gain))
     proved.sort(key=lambda choice: choice[0] < 1)  # gains that rest nearer to an edge come last
     for reserve in RESERVES:
         added = [(reserve - 1) * v for v in disturbance]
         for _, gain in proved:
-            if reserve == 1 or prove_path(loop_with(loop, gain, added)) is not None:
+            if reserve == 1 or prove_path(with_gain(loop, gain, added)) is not None:
                 return gain
     return None
 
@@ -61,7 +61,7 @@ def resting_gain(loop: PathLoop, i: int) -> Fraction:
     return max(b.closing_speed * b.wide / b.g_min for b in rows) / RESTING_DIVISOR
 
 
-def loop_with(loop: PathLoop, gain: Sequence[Fraction], added_disturbance: Sequence[Fraction] = ()) -> PathLoop:
+def with_gain(loop: PathLoop, gain: Sequence[Fraction], added_disturbance: Sequence[Fraction] = ()) -> PathLoop:
     """Return the loop with another |k|, and with more disturbance, by component."""
     laws = tuple(replace(law, gain=k) for law, k in zip(loop.laws, gain, strict=True))
     added = added_disturbance or [Fraction(0)] * loop.n
