@@ -28,9 +28,8 @@ def follow(b: Any, start: Fraction | None, first: Fraction) -> tuple[Fraction, F
 
     def law(far: Any, near: Any) -> int:
         log = (logarithm(Fraction(far) / near)[0] if far >= near else -logarithm(Fraction(near) / far)[1]) - b.rounding
-        return math.ceil(
-            -b.gain * (1 - b.rounding if log > 0 else 1 + b.rounding) * (far + near) * log / far / near / length / unit
-        )
+        gain = b.gain * (1 - b.rounding if log > 0 else 1 + b.rounding)
+        return math.ceil(-gain * (Fraction(1, far) + Fraction(1, near)) * log / length / unit)
 
     clamp = (b.wide + 2 * b.shift) / 2 / length
     weakest = max(law(clamp * (1 + b.e_max), clamp * (1 - b.e_max)), -math.floor(b.limit / unit))
@@ -68,8 +67,7 @@ def follow(b: Any, start: Fraction | None, first: Fraction) -> tuple[Fraction, F
                 cells, forgetting = cells + 1, a_cell_later(forgetting, psi(level))
             return level * length, cells * h
         level -= math.ceil(max(falls / (1 - h * b.filter_rate), h * b.speed / 64 / length, 0 if started else smallest_before))
-        levels.append(level)
-        state = a_cell_later(state, c)
+        levels, state = [*levels, level], a_cell_later(state, c)
     return Fraction(0), Fraction(0)
 
 
