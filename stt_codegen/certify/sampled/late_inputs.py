@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from stt_codegen.certify.certificate import PathClaim, PeriodProof
 from stt_codegen.decimals import above, below, by_component, decimal
-from stt_codegen.sampling import (
+from stt_codegen.sampling.path import (
     Drive,
     PathLoop,
     PathProof,

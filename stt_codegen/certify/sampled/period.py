@@ -29,17 +29,19 @@ from stt_codegen.sampling import (
     Period,
     SampledLoop,
     balancing_gain,
-    choose_path_gain,
     choose_proved_gain,
     exact_loop,
     inputs_where_proved,
-    longest_path_period,
     longest_proved_period,
     loop_of,
     path_loop_of,
     prove_for_period,
-    prove_path,
     rounded_gain,
+)
+from stt_codegen.sampling.path import (
+    choose_path_gain,
+    longest_path_period,
+    prove_path,
     with_gain,
 )
 from stt_codegen.task import Task
