@@ -28,6 +28,7 @@ from stt_codegen.report import (
     format_time,
     sampling_lines,
 )
+from stt_codegen.steps import StepEnvelope
 
 
 class _Console(Console):
@@ -281,6 +282,26 @@ def _conditions(report: RunReport) -> list[str]:
 
 def _numbers(values: Sequence[float]) -> str:
     return ", ".join(f"{v:.4g}" if math.isfinite(v) else "beyond numbers" for v in values)
+
+
+def show_envelope(name: str, envelope: StepEnvelope) -> None:
+    """Print what a task may state of a drive by its recorded step, as lines of a task file, and what the record hides."""
+    before, after = envelope.command
+    step = f"{envelope.columns[1]} steps from {before:g} to {after:g} at {envelope.step_time:g} s"
+    gain = f"{envelope.columns[2]} settles at {envelope.gain:.4g} times that"
+    print(f"{name}: {envelope.samples} samples; {step}, {gain}")
+    print("  [control]")
+    print(f"  latency = {envelope.latency:g}  # of the drive; add the time from a sample to its command")
+    print("  [plant]")
+    print(f"  lag = {envelope.lag:g}")
+    if envelope.overshoot:
+        print(f"  overshoot = {envelope.overshoot:g}")
+    taken = f"every sample counts as {100 * envelope.noise:.2g} % of the step lower, for noise"
+    late = f"up to {format_time(2 * envelope.sample_time)} later, for the time between samples"
+    print(f"  {taken}, and {late}")
+    unseen = f"the last {100 * envelope.hidden:.2g} % of the step, and falls below {100 * envelope.smallest_fall:.2g} %"
+    print(f"  not seen: {unseen}; where your drive creeps or rings by more, state it in w_max or overshoot")
+    print("  holds for this step: record one as large as the controller may command, from -u_max to u_max, under load")
 
 
 def show_agreement(title: str, rows: Sequence[ComparisonRow]) -> None:
