@@ -226,30 +226,23 @@ def direction_of(value: Array) -> Array:
 
 
 class Adversary:
-    """Chooses a direction by loop and component at every step, (B, n)."""
+    """Chooses a direction by run and component at every step, (B, n). kinds: of ADVERSARIES, by run."""
 
-    def __init__(self, kind: str, shape: tuple[int, int], rng: np.random.Generator) -> None:
-        self.kind, self.rng, self.shape = kind, rng, shape
-        self.last = np.full(shape, -1.0 if kind == "back once" else 1.0)
+    def __init__(self, kinds: Sequence[str], shape: tuple[int, int], rng: np.random.Generator) -> None:
+        self.rng, self.shape = rng, shape
+        self.masks = {kind: np.array([[v == kind] for v in kinds]) for kind in ADVERSARIES}
+        self.last = np.where(self.masks["back once"], -1.0, np.ones(shape))
         self.level = rng.uniform(0, 0.98, shape)
 
     def direction(self, e: Array, rate: Array) -> Array:
         """Return where to push; e: normalized errors, rate: of x relative to the tube."""
-        if self.kind == "up":
-            return np.ones(self.shape)
-        if self.kind == "outward":
-            return direction_of(e)
-        if self.kind == "with the motion":
-            return direction_of(rate)
-        if self.kind == "through the middle":
-            return -direction_of(e)
-        if self.kind == "at random":
-            self.last = np.where(self.rng.random(self.shape) < 0.05, -self.last, self.last)
-        elif self.kind == "to and fro":
-            self.last = np.where(e > self.level, -1.0, np.where(e < -self.level, 1.0, self.last))
-        else:
-            self.last = np.where(e < -self.level, 1.0, self.last)
-        return self.last
+        is_high, is_low = e > self.level, e < -self.level
+        turned = np.where(self.masks["at random"] & (self.rng.random(self.shape) < 0.05), -self.last, self.last)
+        turned = np.where(self.masks["to and fro"] & is_high, -1.0, turned)
+        self.last = np.where((self.masks["to and fro"] | self.masks["back once"]) & is_low, 1.0, turned)
+        outward = direction_of(e)
+        by_kind = {"outward": outward, "with the motion": direction_of(rate), "through the middle": -outward}
+        return np.select([self.masks[kind] for kind in by_kind], list(by_kind.values()), self.last)  # "up" stays at 1
 
 
 class WorstDrive:
@@ -360,9 +353,10 @@ class Simulation:
         u = np.where(b < a, -1, 1) * self.column("gain") * (1 / near + 1 / far) * np.log(far / near)
         return np.clip(u, -self.column("u_max"), self.column("u_max"))
 
-    def run(self, kind: str, jitter: str) -> RunResult:
-        """Drive every loop from a corner of its starts or from inside, against one adversary."""
-        rng, adversary = self.rng, Adversary(kind, self.shape, self.rng)
+    def run(self, kinds: Sequence[str], jitters: Sequence[str]) -> RunResult:
+        """Drive every loop from a corner of its starts or from inside, against its adversary and with its ages of samples."""
+        rng, adversary = self.rng, Adversary(kinds, self.shape, self.rng)
+        shortest = np.array([[1.0 if jitter == "late" else 0.1] for jitter in jitters])
         e = self.column("share") * direction_of(rng.random(self.shape) - 0.5)
         state = TubeState(self, e * np.where(rng.random(self.shape) < 0.7, 1, rng.random(self.shape)))
         drive = WorstDrive(self.loops, self.factor, self.dt)
@@ -379,7 +373,7 @@ class Simulation:
             delayed = np.take_along_axis(measured, np.broadcast_to(delay_steps, self.shape)[None], axis=0)[0]
             u = np.where(is_due, delayed, u)
             age = np.where(is_due, delay_steps * self.dt, age) + self.dt
-            longest = self.age * (1.0 if jitter == "late" else rng.uniform(0.1, 1.0, (len(self.loops), 1)))
+            longest = self.age * rng.uniform(shortest, 1.0)
             allowed = np.where(is_due, np.maximum(longest, age), allowed)
             acting = np.where((step + 1) * self.dt <= self.latency, 0.0, u)
             state.move(drive.acting(acting, direction), direction)
@@ -489,20 +483,31 @@ def attack(family: Family, count: int, seed: int, *, stretches: bool = False, om
     eps_bound, u_bound = (np.array([getattr(p, name) for p in proved]) for name in ("eps_bound", "u"))
     violations, closest, broken = 0, 0.0, np.zeros(len(loops), bool)
     runs = [(kind, jitter) for kind in ADVERSARIES for jitter in JITTERS]
-    for kind, jitter in runs * REPETITIONS:
-        result = Simulation(loops, 1.0, rng).run(kind, jitter)
+    violations, closest, broken = 0, 0.0, np.zeros(len(loops), bool)
+    if loops:
+        result = _run_all(loops, 1.0, runs * REPETITIONS, rng)
         is_violated = (result.eps >= eps_bound) | (result.u > u_bound)
-        violations, broken = violations + int(is_violated.sum()), broken | is_violated
-        closest = max(closest, float((result.eps / eps_bound).max()))
+        violations, broken = int(is_violated.sum()), np.asarray(is_violated.any(axis=0))
+        closest = float((result.eps / eps_bound).max())
     first = np.full(len(loops), math.inf)
     for factor in FACTORS if stretches else ():
         indices = np.flatnonzero(np.isinf(first))
-        for kind, jitter in runs if len(indices) else ():
-            left = Simulation([loops[i] for i in indices], factor, rng).run(kind, jitter).has_left
+        if len(indices):
+            left = _run_all([loops[i] for i in indices], factor, runs, rng).has_left.any(axis=0)
             first[indices[left]] = factor
     factors = tuple(first.tolist()) if stretches else ()
     run_count = len(loops) * len(runs) * REPETITIONS
     return AttackResult(family, len(loops), run_count, violations, int(broken.sum()), closest, factors)
+
+
+def _run_all(
+    loops: Sequence[AttackedLoop], factor: float, runs: Sequence[tuple[str, str]], rng: np.random.Generator
+) -> RunResult:
+    """Run every loop against every pair of an adversary and a jitter, all at once; the arrays of the result are (runs, loops)."""
+    kinds, jitters = ([run[part] for run in runs for _ in loops] for part in (0, 1))
+    result = Simulation([*loops] * len(runs), factor, rng).run(kinds, jitters)
+    eps, u, has_left = (part.reshape(len(runs), len(loops)) for part in (result.eps, result.u, result.has_left))
+    return RunResult(eps, u, has_left)
 
 
 def main() -> int:

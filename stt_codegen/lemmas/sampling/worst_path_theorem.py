@@ -17,6 +17,26 @@ rate, F, S, G, P, d, h, cell = sp.symbols("lambda F S G P d h s", positive=True)
 gamma, gamma_Y, Q, width, eta, near = sp.symbols("gamma gamma_Y Q W eta near", real=True)
 
 
+def closing_rate(distance: sp.Expr, effect: sp.Expr) -> sp.Expr:
+    """Return the largest speed at which an edge at this distance comes nearer; effect: gamma of what acts."""
+    return P - rate * distance + effect
+
+
+def drive_answer(start: sp.Expr, command: sp.Expr, lag: sp.Expr, time: sp.Expr) -> sp.Expr:
+    """Return what a first-order lag makes of a constant command after a time, from `start` on."""
+    return command + (start - command) * sp.exp(-time / lag)
+
+
+def own_time(time: sp.Expr, theta: sp.Expr) -> sp.Expr:
+    """Return the own time of the path that is at the start's distance at the time theta."""
+    return time - theta
+
+
+def cell_speed(at_begin: sp.Expr, rest: sp.Expr) -> sp.Expr:
+    """Return the path's speed in a cell, from the speed that (2) asks for at its begin; rest: 1 - lambda h."""
+    return at_begin / rest
+
+
 def _prove_distance() -> Outcome:
     """Prove (1): what is left of P - lambda b + gamma(y) + b' is a sum of terms that the bounds make positive."""
     to_upper = high_rate - v + rate * (high - x)  # b of order 2
@@ -26,13 +46,16 @@ def _prove_distance() -> Outcome:
     to_lower = v - low_rate + rate * (x - low)
     exit_rate = a_rate / to_lower - b_rate / to_upper
     expected = (velocity - low_bend - rate**2 * (x - low)) / to_lower + (velocity - high_bend + rate**2 * (high - x)) / to_upper
+    at_order_2 = F + rate**2 * (high - low) - high_bend  # the part of P that (1) needs at the upper edge
     return prove_identities(
         {
-            "order 1: F + S + gamma + b' - [F - f - w] - [S + R'] - [gamma - g y]": (F + S + gamma)
+            "order 1: P - lambda b + gamma + b' - [F - f - w] - [S + R'] - [gamma - g y], at lambda = 0": closing_rate(
+                sp.Symbol("b"), gamma
+            ).subs({P: F + S, rate: 0})
             + (high_rate - f - w - g * y)
             - ((F - f - w) + (S + high_rate) + (gamma - g * y)),
-            "order 2: -b' - (f + w + g y - R'' + lambda^2 (R - x) - lambda b)": sp.expand(
-                -b_rate - (velocity - high_bend + rate**2 * (high - x) - rate * to_upper)
+            "order 2: P - lambda b + gamma + b' - [F - f - w] - lambda^2 [x - L] - [gamma - g y]": sp.expand(
+                closing_rate(to_upper, gamma).subs(P, at_order_2) + b_rate - ((F - f - w) + rate**2 * (x - low) + (gamma - g * y))
             ),
             "order 2: a'/a - b'/b has no lambda beside lambda^2": sp.simplify(exit_rate - expected),
         }
@@ -40,7 +63,7 @@ def _prove_distance() -> Outcome:
 
 
 def _prove_psi_rises() -> Outcome:
-    """Prove that h(W - near, near) falls as near grows, by dh/da > 0 > dh/db, and that W measured with these errors is the tube's.
+    """Prove that h(W - near, near) falls as near grows, by dh/da > 0 > dh/db, and that errors of a and b leave their sum.
 
     1 + y - ln y > 0 is a step of `sampled.pull`. A smaller W makes h smaller too, by dh/da.
     """
@@ -64,9 +87,9 @@ def _prove_psi_rises() -> Outcome:
 
 
 def _prove_drive() -> Outcome:
-    """Prove that the drive's bound solves its equation in a cell, that weight on an older command makes the mean larger, and nu."""
+    """Prove that Y solves its equation in a cell, that weight on an older command makes the mean larger, and nu."""
     start, command, lag, time = sp.symbols("Y c T t", positive=True)
-    answer = command + (start - command) * sp.exp(-time / lag)
+    answer = drive_answer(start, command, lag, time)
     older, younger, weight, moved = sp.symbols("c_older c_younger p m", positive=True)
     mean = younger * weight + older * (1 - weight)
     with_less_age = younger * (weight + moved) + older * (1 - weight - moved)
@@ -91,7 +114,7 @@ def _prove_drive() -> Outcome:
 def _prove_slides() -> Outcome:
     """Prove d' <= lambda d before the path's end, and that d e^(-lambda s) cannot leave 0 upwards."""
     b_now = sp.Symbol("b", real=True)
-    path_rate, distance_rate = -(P - rate * Q + gamma_Y), -(P - rate * b_now + gamma)
+    path_rate, distance_rate = -closing_rate(Q, gamma_Y), -closing_rate(b_now, gamma)
     grown = sp.Function("d")(cell)
     return prove_identities(
         {
@@ -108,7 +131,7 @@ def _prove_slides() -> Outcome:
 def _prove_ends() -> Outcome:
     """Prove that after the end -b' <= lambda d: of P - lambda Q + gamma(Y) <= 0, and Y falls."""
     remainder, b_now = sp.Symbol("m", positive=True), sp.Symbol("b", real=True)
-    bound = P - rate * b_now + gamma
+    bound = closing_rate(b_now, gamma)
     at_end = {P: rate * Q - gamma_Y - remainder}
     return all_of(
         prove_identities(
@@ -126,18 +149,22 @@ def _prove_ends() -> Outcome:
 
 
 def _prove_early() -> Outcome:
-    """Prove that a path whose own time 0 is at theta >= 0 is clipped wherever no sample need have arrived: own time is younger."""
+    """Prove that a path whose own time 0 is at theta >= 0 is clipped wherever no sample need have arrived.
+
+    The bound on a command at a time is Psi of the path at the own time less tau, and the sample is not older than that.
+    """
     time, theta, latency, rest, age, later = sp.symbols("t theta l rest tau later", positive=True)
     return all_of(
         prove_identities(
             {
-                "l - (t - theta) at t = l - rest": (latency - (latency - rest - theta)) - (rest + theta),
-                "own time of a sample less that of the command's bound": ((time - age + later) - theta)
-                - ((time - theta) - age)
+                "l - own time at t = l - rest, less rest + theta": latency - own_time(latency - rest, theta) - (rest + theta),
+                "own time at t = -rest, before the start, plus rest + theta": own_time(-rest, theta) + (rest + theta),
+                "own time of a sample less (own time of its command - tau) - later": own_time(time - age + later, theta)
+                - (own_time(time, theta) - age)
                 - later,
             }
         ),
-        prove_positive({"l - (t - theta)": rest + theta, "a sample is younger than tau by": later}),
+        prove_positive({"l - own time": rest + theta, "a sample is younger than tau by": later}),
     )
 
 
@@ -151,7 +178,7 @@ def _prove_local() -> Outcome:
             {
                 "t1 - (t1 - A + life + tau + forget) - margin": sp.expand(t1 - (t1 - history + life + age + forget) - margin),
                 "b' - lambda (b - Q) at P - lambda Q + gamma = 0": sp.expand(
-                    (-(P - rate * near + gamma)).subs(P, rate * Q - gamma) - rate * (near - Q)
+                    -closing_rate(near, gamma).subs(P, rate * Q - gamma) - rate * (near - Q)
                 ),
             }
         ),
@@ -160,9 +187,9 @@ def _prove_local() -> Outcome:
 
 
 def _prove_cells() -> Outcome:
-    """Prove that a fall of h v with v = n/(1 - lambda h) is fast enough until the cell's end: there lambda Q is less by lambda h v."""
+    """Prove that a fall of h v, v = n/(1 - lambda h), is fast enough until a cell's end, where lambda Q is less by lambda h v."""
     at_begin, rest, gap, decay, added = sp.symbols("n r gap q m", positive=True)  # r = 1 - lambda h, gap = Y - c
-    speed = at_begin / rest
+    speed = cell_speed(at_begin, rest)
     x = sp.Symbol("x", positive=True)
     return all_of(
         prove_identities(
@@ -190,7 +217,8 @@ LEMMAS = (
     Lemma(
         "path.psi_rises",
         "u at a state no farther from the edge than Q is at most Psi(Q), and Psi does not fall as Q rises.",
-        r"b \le Q \Rightarrow u \le \Psi(Q) = \max\bigl(-k\,h(W^- - Q - \eta, Q + \eta),\ -k\,h_{e_{max}}(W^+ + 2\eta),\ -u_{max}\bigr)",
+        r"b \le Q \Rightarrow u \le \Psi(Q) = "
+        r"\max\bigl(-k\,h(W^- - Q - \eta, Q + \eta),\ -k\,h_{e_{max}}(W^+ + 2\eta),\ -u_{max}\bigr)",
         ("each measured distance is off by at most eta",),
         "ours",
         _prove_psi_rises,
@@ -224,7 +252,7 @@ LEMMAS = (
     ),
     Lemma(
         "path.early",
-        "A path that reaches the start's distance at theta >= 0 bounds the commands before the first sample, and those of samples.",
+        "A path that is at the start's distance at theta >= 0 bounds the commands before the first sample and those of samples.",
         r"s < l \Rightarrow s - \theta < l;\quad u(s) \le \Psi(Q_\theta(\sigma)) \le \Psi(Q_\theta(s-\tau))",
         ("commands before the first sample are 0", "the path goes on until it is at the start's distance"),
         "ours",
@@ -233,7 +261,7 @@ LEMMAS = (
     ),
     Lemma(
         "path.local",
-        "Bounds over the last A seconds are enough: a path that touches no run has ended, and the drive has forgotten older commands.",
+        "Bounds over the last A seconds are enough: a path that touches no run has ended, and the drive forgot older commands.",
         r"A > life + \tau + forget \Rightarrow P + \gamma(y) < 0 \text{ before } t_1",
         ("the path of recent bounds ends only where P + gamma(Y) < 0; lambda Q_pk does not help",),
         "ours",
@@ -242,7 +270,7 @@ LEMMAS = (
     ),
     Lemma(
         "path.cells",
-        "In cells the path falls as fast as it must: by v h with v = (P - lambda Q + gamma(Y))/(1 - lambda h), Y and c of the begin.",
+        "In cells the path falls fast enough: by h v, v = (P - lambda Q + gamma(Y))/(1 - lambda h), with Y and c of the begin.",
         r"v = n + \lambda h v,\quad q \ge e^{-h/T}",
         ("lambda h < 1", "Y, c and Q fall in a cell"),
         "ours",

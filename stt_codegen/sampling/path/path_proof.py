@@ -9,7 +9,7 @@ proof is stated in the certificate, or follows from the task and its tube, so a 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from stt_codegen.decimals import above
@@ -50,7 +50,8 @@ def prove_path(loop: PathLoop) -> PathProof | None:
     """Prove that the loop stays in its tube, with the smallest rho that the search finds; None where no path does."""
     if loop.age > loop.largest_known_age:
         return None
-    return _search(loop, is_local=False) or _search(loop, is_local=True)
+    proof = _search(loop, is_local=False)
+    return _search(loop, is_local=True) if proof is None and loop.has_windows else proof
 
 
 def prove_path_for(loop: PathLoop, rho: Sequence[Fraction]) -> PathProof | None:
@@ -66,9 +67,9 @@ def prove_path_for(loop: PathLoop, rho: Sequence[Fraction]) -> PathProof | None:
 
 def _search(loop: PathLoop, is_local: bool) -> PathProof | None:
     """Raise rho until the paths of all components prove it."""
-    rho = [_decimal_above(law.rho_at_start * (1 + FIRST_RAISE)) for law in loop.laws]
+    rho, proof = [_decimal_above(law.rho_at_start * (1 + FIRST_RAISE)) for law in loop.laws], None
     for k in range(ROUND_LIMIT):
-        proof = _follow(loop, rho, is_local)
+        proof = _follow(loop, rho, is_local, proof)
         if proof is None or _is_enough(proof):
             return proof
         raised = 1 + FIRST_RAISE * 2**k
@@ -76,12 +77,17 @@ def _search(loop: PathLoop, is_local: bool) -> PathProof | None:
     return None
 
 
-def _follow(loop: PathLoop, rho: Sequence[Fraction], is_local: bool) -> PathProof | None:
-    """Follow the paths of all components, with U for these rho; None where a path meets the edge, or nothing bounds an input."""
+def _follow(loop: PathLoop, rho: Sequence[Fraction], is_local: bool, earlier: PathProof | None = None) -> PathProof | None:
+    """Follow the paths of all components, with U for these rho; None where a path meets the edge, or nothing bounds an input.
+
+    earlier: paths of the same loop for another rho, which are the same where U is.
+    """
     bounds = [loop.input_bound(i, ratio) for i, ratio in enumerate(rho)]
     inputs = [Fraction(str(above(bound))) for bound in bounds if bound is not None]
     if len(inputs) < loop.n:
         return None
+    if earlier is not None and earlier.u == tuple(inputs):
+        return replace(earlier, rho=tuple(rho))
     paths = []
     for i in range(loop.n):
         path = (follow_local_paths(loop, i, inputs) if is_local else None) or follow_from_start(loop, i, inputs)

@@ -157,6 +157,11 @@ class PathLoop:
         """The number of components."""
         return len(self.laws)
 
+    @property
+    def has_windows(self) -> bool:
+        """Whether bounds of recent windows may differ from those of the whole time."""
+        return len(self.begins) > 1
+
     def start(self, i: int) -> Start:
         """Return how runs of component i start."""
         return Start(self.rows[i][0].narrow / (1 + self.laws[i].rho_at_start), self.latency)
