@@ -52,6 +52,8 @@ def show_design(report: DesignReport) -> None:
     if limits.largest_u is not None:
         saturated = f", saturated at {', '.join(f'{u:g}' for u in limits.u_max)}" if limits.u_max else ""
         console.print(f"  |u| up to {limits.largest_u:.4g} at the clamp{saturated}")
+    for line in limits.chosen:
+        _indented(console, escape(line))
     if limits.sampling is not None:
         _show_sampling(console, limits.sampling, limits.tick_period)
     cost = report.cost
@@ -109,7 +111,7 @@ def _show_properties(console: Any, report: DesignReport) -> None:
         table.add_column(heading, justify="right" if heading == "margin" else "left")
     for p in report.properties:
         holds = "[green]yes[/green]" if p.holds else "[red]NO[/red]"
-        table.add_row(f"{p.title} ({p.property})", p.statement, holds, f"{p.margin:.3g}" if p.margin else "", p.where)
+        table.add_row(f"{p.title} ({p.property})", escape(p.statement), holds, f"{p.margin:.3g}" if p.margin else "", p.where)
     console.print(table)
     for proof in report.mission:
         _indented(console, f"mission {proof.entry}, {escape(describe_entry(proof))}")

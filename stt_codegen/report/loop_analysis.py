@@ -141,6 +141,8 @@ class LoopAnalysis:
         """The name of the plant, for messages."""
         if self.plant is not None:
             return self.plant.name
+        if self.controller.task.assumes_plant:
+            return "the plant that is assumed"
         if self.controller.task.plant.is_stated:
             return "[plant] of the task"
         return "xdot = u" if self.controller.task.gain[0] > 0 else "xdot = -u"
@@ -190,7 +192,7 @@ class LoopAnalysis:
             assumptions.append(
                 "the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows"
             )
-        if self.plant is None and task.plant.is_stated:
+        if self.plant is None and task.plant.is_stated and not task.assumes_plant:
             if task.plant.g_cross is None and task.dimension > 1:
                 assumptions.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
             if task.plant.g_min is None:

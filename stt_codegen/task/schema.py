@@ -49,11 +49,13 @@ from stt_codegen.task.values import (
     GainOrAuto,
     Labels,
     NotNegative,
+    Number,
     PerComponent,
     PerComponentOrAuto,
     PeriodOfAxis,
     Positive,
     Vector,
+    at_least_one,
     below_one,
     read_integer,
 )
@@ -135,13 +137,24 @@ class ControlOptions(TomlTable):
 
     gain: GainOrAuto | None = Field(
         default=None,
-        description='k, or one for each component; negative where g_s is negative definite (Remark 4.2); "auto": largest margin '
-        'at control.period; absent: 0.5, or "auto" with a period',
+        description='k, or one for each component; negative where g_s is negative definite (Remark 4.2); "auto": the gentlest '
+        'that is proved for control.period with a reserve; "tight": the one that keeps |e| smallest; absent: 0.5, or "auto" with '
+        "a period",
+    )
+    rest: Annotated[Positive, AfterValidator(below_one)] | None = Field(
+        default=None, description='gain "auto": the |e| within which a steady disturbance rests; absent: 0.7'
+    )
+    reserve: Annotated[Number, AfterValidator(at_least_one)] | None = Field(
+        default=None, description='gain and u_max "auto": times plant.f_max and w_max for which they are proved; absent: 1.5'
     )
     e_max: PerComponent = Field(
         default=Fraction(99, 100), description="clamp of the normalized error, in (0, 1), or one for each component"
     )
-    u_max: PerComponent | None = Field(default=None, description="saturation of the emitted u, or one bound for each component")
+    u_max: PerComponentOrAuto | None = Field(
+        default=None,
+        description='saturation of the emitted u, or one bound for each component; "auto": 1.5 times what is needed, or more '
+        'with a lag; absent: none, or "auto" with a period',
+    )
     saturate: Literal["clip", "scale"] = Field(
         default="clip", description="how u_max limits u: each component, or all of u by one factor, for g that couples"
     )
@@ -178,7 +191,10 @@ class EmitOptions(TomlTable):
 
 
 class PlantBounds(TomlTable):
-    """Bounds on the plant for the effort and sampling statements; the controller itself needs none of them."""
+    """Bounds on the plant for the effort and sampling statements; the controller itself needs none of them.
+
+    With control.period, order 1 and no bound stated, a plant is assumed: `Task.assumes_plant`.
+    """
 
     order: Annotated[int, BeforeValidator(read_integer)] = Field(
         default=1, ge=1, le=2, description="1: u makes speeds; 2: accelerations, and the bounds here are of these"
@@ -207,6 +223,9 @@ class PlantBounds(TomlTable):
     noise: NotNegative | None = Field(default=None, description="bound on the error of every measured x_i; absent: 0")
     noise_v: NotNegative | None = Field(
         default=None, description="bound on the error of every measured v_i, for order 2; absent: 0"
+    )
+    exact: StrictBool = Field(
+        default=False, description="the plant is x' = u and no other: f = w = 0, g = 1; else control.period assumes a plant"
     )
 
     @property
@@ -322,9 +341,25 @@ class TaskTables(TomlTable):
 
     @property
     def has_automatic_gain(self) -> bool:
-        """Whether the pipeline has to choose the gain: it is "auto", or absent beside a period."""
+        """Whether the pipeline has to choose the gain: it is "auto" or "tight", or absent beside a period."""
         gain = self.control.gain
-        return gain == "auto" or (gain is None and self.control.period is not None)
+        return isinstance(gain, str) or (gain is None and self.control.period is not None)
+
+    @property
+    def has_automatic_limit(self) -> bool:
+        """Whether the pipeline has to choose u_max: it is "auto", or absent beside a period."""
+        u_max = self.control.u_max
+        return isinstance(u_max, str) or (u_max is None and self.control.period is not None)
+
+    @property
+    def resting_error(self) -> Fraction:
+        """The |e| within which a steady disturbance rests at a gain that is chosen."""
+        return self.control.rest or Fraction(7, 10)
+
+    @property
+    def reserve(self) -> Fraction:
+        """The factor of f_max and w_max for which a gain and a limit of u are chosen."""
+        return self.control.reserve or Fraction(3, 2)
 
     @property
     def gain(self) -> tuple[Fraction, ...]:
@@ -339,8 +374,9 @@ class TaskTables(TomlTable):
 
     @property
     def u_max(self) -> tuple[Fraction, ...] | None:
-        """The saturation of u by component; None for none."""
-        return None if self.control.u_max is None else self._per_component(self.control.u_max)
+        """The saturation of u by component; None for none, and while it is not chosen."""
+        u_max = self.control.u_max
+        return None if u_max is None or isinstance(u_max, str) else self._per_component(u_max)
 
     @property
     def emitted_u_max(self) -> tuple[Fraction, ...] | None:
@@ -410,9 +446,7 @@ class TaskTables(TomlTable):
     def requires_input_limits(self) -> bool:
         """Whether P8 must be proved: u is limited, the plant has bounds, and there is no period, whose proof demands more."""
         is_bounded = any(getattr(self.plant, name) is not None for name in PLANT_BOUNDS)
-        return (
-            self.control.u_max is not None and is_bounded and self.control.period is None and self.tube.capabilities.proves_limits
-        )
+        return self.u_max is not None and is_bounded and self.control.period is None and self.tube.capabilities.proves_limits
 
     @property
     def max_speed(self) -> tuple[Fraction, ...] | None:

@@ -78,6 +78,8 @@ def uncovered_loop_feature(task: Task) -> str:
         'saturate = "scale"': task.scales,
         "negative gains": task.gain is not None and min(task.gain) < 0,
         "a drive of [plant]": bool(task.drive),
+        "a plant that is assumed": task.assumes_plant,
+        "a control.u_max that was chosen": task.leaves_limit,
     }
     return next((feature for feature, has_feature in features.items() if has_feature), "")
 
@@ -157,7 +159,8 @@ def _gain_and_limits(
     for name, values in (("gain", gain), ("u_max", u_max)):
         if has_law and values is not None and not _has_values(source, f"{task.name}_{name}", values, bits):
             raise Unread(f"the C has another {name} than the certificate")
-    if (u_max is None) != (task.u_max is None) or any(a > b for a, b in zip(u_max or [], task.u_max or [], strict=True)):
+    limits = u_max if task.leaves_limit else task.u_max
+    if (u_max is None) != (limits is None) or any(a > b for a, b in zip(u_max or [], limits or [], strict=True)):
         raise Unread("the certificate's u_max is not the task's")
     return gain, u_max
 

@@ -241,7 +241,6 @@ def test_a_drive_that_no_gain_can_use_is_refused_with_the_tubes_width_over_speed
         ({"lag": ["0.1"]}, {}, "plant.lag: has 1 entries"),
         ({"slew": "0"}, {}, "plant.slew: is 0; it must be greater than 0"),
         ({"overshoot": "1"}, {}, "plant.overshoot: is 1; it must be less than 1"),
-        ({"lag": "0.1"}, {"u_max": None}, "control.u_max: is missing; with plant.lag a proof needs how large a command may be"),
         ({"slew": "3"}, {"period": None}, "control.period: is missing; with plant.slew a proof needs the time between samples"),
     ],
 )

@@ -247,8 +247,8 @@ def test_a_component_that_nothing_moves_gets_a_gain_too() -> None:
     assert all(k > 0 for k in controller.task.gain)
 
 
-def test_a_chosen_gain_is_proved_and_no_other_has_a_clearly_smaller_bound_on_eps() -> None:
-    task = with_period("omni_s2", {"gain": "auto"}, {"w_max": "0.1"}, "0.005")
+def test_a_tight_gain_is_proved_and_no_other_has_a_clearly_smaller_bound_on_eps() -> None:
+    task = with_period("omni_s2", {"gain": "tight", "u_max": "1000"}, {"w_max": "0.1"}, "0.005")
     controller = build_once(task)
     assert controller.certificate.holds
     assert controller.task.digest == task.digest
@@ -273,15 +273,15 @@ def test_a_chosen_gain_is_proved_and_no_other_has_a_clearly_smaller_bound_on_eps
 @pytest.mark.parametrize(
     ("control", "plant"),
     [
-        ({"gain": "0.5", "period": "0.02"}, {}),
-        ({"period": "0.06"}, {}),
-        ({"period": "0.02"}, {"w_max": "0.3"}),
-        ({"gain": "30", "period": "0.001"}, {"g_cross": "0.05"}),
-        ({"period": "0.015", "latency": "0.001"}, {}),
+        ({"gain": "0.5", "period": "0.02", "u_max": "1000"}, {"exact": True}),
+        ({"period": "0.06", "u_max": "1000"}, {"exact": True}),
+        ({"period": "0.02", "u_max": "1000"}, {"w_max": "0.3"}),
+        ({"gain": "30", "period": "0.001", "u_max": "1000"}, {"g_cross": "0.05"}),
+        ({"period": "0.015", "latency": "0.001", "u_max": "1000"}, {"exact": True}),
         ({"period": "0.02", "u_max": "0.8"}, {"w_max": "0.3"}),
     ],
 )
-def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant: dict[str, str]) -> None:
+def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant: dict[str, Any]) -> None:
     """Every alternative of the message is put into the task."""
     task = controller_of("omni_s2").task.changed(control=control, plant=plant)
     with pytest.raises(stt.NotCertified, match=r"period \(P9\)") as refusal:

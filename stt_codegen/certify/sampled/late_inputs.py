@@ -101,9 +101,9 @@ def _remedies(task: Task, loop: PathLoop) -> Iterator[str]:
     """Yield changes of the task with which the path proves it, one at a time; those but the first keep this gain."""
     sign = 1 if task.gain[0] > 0 else -1
     with_this_gain = f"with gain {by_component(task.gain)}"
-    gain = choose_path_gain(loop, disturbances(task))
-    if gain is not None:
-        chosen = by_component([sign * v for v in gain])
+    choice = choose_path_gain(loop, disturbances(task), task.resting_error, task.reserve)
+    if choice is not None:
+        chosen = by_component([sign * v for v in choice.gain])
         yield f'control.gain = "auto" (here {chosen})' if sign > 0 else f"control.gain = {chosen}"
     period = longest_path_period(loop, task.sampling_period)
     for value in [] if period is None else [period * retreat for retreat in RETREATS]:

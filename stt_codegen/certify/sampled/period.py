@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, PeriodProof
-from stt_codegen.certify.sampled.late_inputs import disturbances, drive_words, late_advice, prove_late_period
+from stt_codegen.certify.sampled.late_inputs import drive_words, late_advice, prove_late_period
 from stt_codegen.certify.sampled.lost_turns import LostTurn, lost_turn
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import RefinedDesign
@@ -36,53 +36,16 @@ from stt_codegen.sampling import (
     loop_of,
     path_loop_of,
     prove_for_period,
-    rounded_gain,
 )
-from stt_codegen.sampling.path import (
-    choose_path_gain,
-    longest_path_period,
-    prove_path,
-    with_gain,
-)
+from stt_codegen.sampling.path import longest_path_period
 from stt_codegen.task import Task
 
 Array = npt.NDArray[np.float64]
 # Shares by which the rho of an E from the search in doubles is raised, until the fractions agree.
 RAISES = (Fraction(0), Fraction(1, 10**6), Fraction(1, 10**4), Fraction(1, 10**3))
-PERIOD_WITH_MARGIN = Fraction(1001, 1000)  # times the period, of the gain that the path chooses
 
 
 # An overflow in a search is infinite, and proves nothing; what is returned was proved in fractions. So NumPy need not warn.
-@np.errstate(all="ignore")
-def choose_gain(
-    task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
-) -> tuple[Fraction, ...]:
-    """Choose the gain for control.gain = "auto": the one that keeps |e| smallest at the task's period.
-
-    Where the drive lags, or the sharp conditions prove no gain for the period, it is the gentlest that the worst path proves with
-    a reserve. Where no gain is proved at all, it is that of the longest period; the refusal then says what would do.
-    """
-    loop = loop_of(task, design, edge_error, rate)
-    # a little longer than the period, since the arithmetic's errors with the chosen gain are not known yet
-    path_loop = path_loop_of(task, design, exact_loop(task, design, edge_error, rate))
-    path_loop = path_loop.with_period(task.sampling_period * PERIOD_WITH_MARGIN)
-    age = float(task.sampling_period + task.control.latency)
-    acts_at_once = all(bounds.acts_at_once for bounds in task.drive_bounds)
-    choice = choose_proved_gain(loop, age, kinds=("sharp",)) if acts_at_once else None
-    gain = None if choice is None else _as_fractions(choice.gain)
-    if gain is None or (task.has_late_input and prove_path(with_gain(path_loop, gain)) is None):
-        gain = choose_path_gain(path_loop, disturbances(task)) or gain
-    if gain is None:
-        proportions = balancing_gain(loop)
-        longest = Gains(loop, proportions, kinds=("sharp",)).with_longest_period
-        gain = _as_fractions(rounded_gain(proportions) if longest is None else longest.gain)
-    return gain
-
-
-def _as_fractions(gain: Array) -> tuple[Fraction, ...]:
-    return tuple(Fraction(f"{k:.12g}") for k in gain.tolist())
-
-
 @np.errstate(all="ignore")
 def certify_period(
     task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
@@ -208,7 +171,8 @@ def _statement(task: Task) -> str:
     force, g_min, g_max, cross = (by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross"))
     g_ii = "g_ii" if task.gain[0] > 0 else "-g_ii"
     g = f"{g_ii} = {g_min}" if g_min == g_max else f"{g_min} <= {g_ii} <= {g_max}"
-    bounds = [f"|f + w| <= {force}", g, f"|g_ij| <= {cross}"]
+    assumed = " (assumed, as the task has no [plant])" if task.assumes_plant else ""
+    bounds = [f"|f + w| <= {force}", g, f"|g_ij| <= {cross}{assumed}"]
     bounds += [f"x measured to {decimal(plant.noise)}"] if plant.noise else []
     bounds += drive_words(task)
     starts = f"|e(0)| <= {decimal(task.initial_set.share)}"
@@ -216,6 +180,8 @@ def _statement(task: Task) -> str:
         at_most = by_component(task.start_speed)
         starts += f" and |v(0)| <= {at_most}" if any(task.start_speed) else " at rest"
         bounds += [f"v measured to {decimal(plant.noise_v)}"] if plant.noise_v else []
+    if task.has_chosen_limit and task.u_max is not None:
+        bounds += [f"u limited to {by_component(task.u_max)}, which was chosen"]
     often = "s or faster"
     if task.uses_differences:
         often = f"s or faster, but not below {decimal(task.shortest_period)} s, with v = (x - x before) / time between"

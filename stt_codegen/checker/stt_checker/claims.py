@@ -35,6 +35,9 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     bits = BITS[scalar]
     if task.turns:
         task.turns.add_noise(bits)
+    if task.leaves_limit:  # the certificate's, which all proofs take; it must be as the C has it
+        task.u_max = fractions(certificate["control"]["u_max"], task.n)
+        require(min(task.u_max) > 0, "the certificate's u_max is not positive")
     unit, cuts, seam = _check_grid(certificate["grid"], task)
     if scalar == "fixed":
         from .integers import Integers
@@ -44,6 +47,8 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     else:
         target, entries = None, source.real_table(text, f"{task.name}_coefficients", bits)
     tube = tubes.Tube(entries, task.n, unit, task.t_c, seam)
+    if task.assumes_plant:
+        task.assume_plant([tube.speed(i) for i in range(task.n)])
     segments = certificate["grid"]["segments"]
     require(segments == tube.segments and task.segments in (None, segments), "the C has another number of segments")
 

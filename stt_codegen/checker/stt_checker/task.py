@@ -4,7 +4,7 @@ import hashlib
 import json
 import re
 import tomllib
-from decimal import Decimal
+from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -23,9 +23,9 @@ KNOWN_KEYS = {
     "region": f"name any_of axes {SET_KEYS}",
     "mission": "visit between stay then within never before patrol every until formula",
     "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
-    "control": "gain e_max u_max period latency outside velocity period_min saturate",
+    "control": "gain rest reserve e_max u_max period latency outside velocity period_min saturate",
     "emit": "scalar math tick_period selftest rust",
-    "plant": "order f_max w_max g_min g_max g_cross noise noise_v lag lag2 slew overshoot",
+    "plant": "order f_max w_max g_min g_max g_cross noise noise_v lag lag2 slew overshoot exact",
 }  # fmt: skip
 LISTS = ("unsafe", "region", "mission")
 
@@ -148,6 +148,8 @@ class Task:
         lags = [self.drive.get(k, [Fraction(0)] * n) for k in ("lag", "lag2")]
         self.lags = [[t for t in pair if t] for pair in zip(*lags, strict=True)]  # seconds, by component
         self.slew = self.drive.get("slew", [None] * n)
+        is_open = not any([*self.plant.values(), self.drive, plant.get("exact", False)]) and self.order == 1
+        self.assumes_plant = is_open and "period" in self.document.get("control", {})
         self.opposite = [m / (1 - m) if m < 1 else m for m in self.drive.get("overshoot", [Fraction(0)] * n)]  # M + M^2 + ..
 
     def _read_law(self, control: dict[str, Any]) -> None:
@@ -156,9 +158,10 @@ class Task:
         self.period = number(control["period"]) if "period" in control else None
         self.latency = number(control.get("latency", 0))
         gain = control.get("gain", Decimal("0.5") if self.period is None else "auto")
-        self.gain = None if gain == "auto" else numbers(gain, n)
+        self.gain = None if gain in ("auto", "tight") else numbers(gain, n)
         self.e_max = numbers(control.get("e_max", Decimal("0.99")), n)
-        self.u_max = numbers(control["u_max"], n) if "u_max" in control else None
+        self.leaves_limit = control.get("u_max", None if self.period is None else "auto") == "auto"
+        self.u_max = numbers(control["u_max"], n) if "u_max" in control and not self.leaves_limit else None
         self.scales, self.outside = control.get("saturate", "clip") == "scale", control.get("outside", "return")
         self.differs = control.get("velocity", "measured") == "differences"
         self.shortest = None  # the least time between two samples, where v is by differences
@@ -184,7 +187,11 @@ class Task:
             (min([*times, self.share, *self.e_max, *rates, *gains]) <= 0, "a number that is not positive"),
             (max(self.share, *self.e_max) >= 1, "a share or an e_max that is not below 1"),
             (max(self.drive.get("overshoot", [0])) >= 1, "an overshoot that is not below 1"),
-            (bool(drive) and (self.period is None or self.u_max is None), "a drive where nothing is proved about it"),
+            (bool(drive) and self.period is None, "a drive where nothing is proved about it"),
+            (self.leaves_limit and self.period is None, "a u_max to be chosen without a period"),
+            (type(plant.get("exact", False)) is not bool, "an `exact` that is neither true nor false"),
+            (plant.get("exact") is True and any(self.plant[k] for k in ("f_max", "w_max", "g_min", "g_max", "g_cross")),
+             "an exact plant with bounds"),
             (min([self.clearance, self.latency, self.start_delay, *self.body, *self.speed, *bounds]) < 0, "a negative number"),
             (len({o.name for o in self.unsafe}) < len(self.unsafe), "two unsafe sets of one name"),
             (type(self.repeats) is not bool, "a `repeat` that is neither true nor false"),
@@ -197,13 +204,23 @@ class Task:
             (self.outside == "hold" and (self.order == 2 or self.moves or has_mission),
              "a tube that waits beside something that does not"),
             (control.get("velocity", "measured") not in ("measured", "differences"), "a `velocity` that is unknown here"),
-            (self.differs and (self.order == 1 or self.period is None or self.u_max is None or "noise_v" in plant
-                               or any(self.speed)), "a velocity by differences where nothing is proved about it"),
+            (self.differs and (self.order == 1 or self.period is None or "noise_v" in plant or any(self.speed)),
+             "a velocity by differences where nothing is proved about it"),
             ("period_min" in control and not self.differs, "a `period_min` for a velocity that is measured"),
             (self.differs and (self.shortest or 0) > (self.period or 0), "a `period_min` above its period"),
         ):  # fmt: skip
             if is_wrong:
                 raise Unusable(f"the task has {what}")
+
+    def assume_plant(self, speeds: list[Fraction]) -> None:
+        """Take the plant that is assumed where none is stated: g within a fifth of 1, and disturbances up to a tenth of the speed
+        of the tube's fastest edge by component, rounded up to three digits. speeds: of these edges."""
+        to_three_digits = Context(prec=3, rounding=ROUND_CEILING)
+        tenths = [(v / 10).as_integer_ratio() for v in speeds]
+        w_max = [Fraction(to_three_digits.divide(Decimal(p), Decimal(q))) for p, q in tenths]
+        bounds = {"w_max": w_max, "g_min": [Fraction(4, 5)] * self.n, "g_max": [Fraction(6, 5)] * self.n}
+        self.plant |= bounds
+        self.stated |= {"w_max": [str(v) for v in w_max], "g_min": "4/5", "g_max": "6/5"}
 
     @property
     def proves_limits(self) -> bool:

@@ -28,6 +28,7 @@ from stt_codegen.errors import SttError
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC, find_compiler
 from stt_codegen.properties import OF_THE_INPUT, Property
+from stt_codegen.report.control_notes import assumed_words
 from stt_codegen.report.page.bill_of_materials import library_calls
 from stt_codegen.report.page.misra import DEVIATIONS, count_deviations
 from stt_codegen.task import Task
@@ -306,6 +307,8 @@ def _unproved_of_the_plant(controller: EmittedController) -> Iterator[str]:
     """Yield what is assumed of plant, actuators, sensors and alpha."""
     task = controller.task
     stated = "the bounds of [plant]" if task.plant.is_stated else "what Theorem 4.1 asks of a plant"
+    if task.assumes_plant:
+        stated = f"bounds that are assumed, as the task has no [plant]: {assumed_words(task)}"
     yield f"That your plant is within {stated}, and that nothing else acts on it."
     yield f"That there is no {'inertia or ' if task.order == 1 else ''}lag between u and what it moves."
     yield "That what you measure is the state" + (

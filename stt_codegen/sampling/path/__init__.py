@@ -5,7 +5,15 @@ docs/sampling-path.md has the theorem and its proof.
 
 from stt_codegen.sampling.path.drive_response import Drive, DriveCells
 from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
-from stt_codegen.sampling.path.path_gain import choose_path_gain, with_gain
+from stt_codegen.sampling.path.path_gain import (
+    PathGain,
+    choose_path_gain,
+    proved_disturbance_factor,
+    proved_period_factor,
+    reserve_of_gain,
+    resting_gain,
+    with_gain,
+)
 from stt_codegen.sampling.path.path_proof import PathProof, prove_path, prove_path_for
 from stt_codegen.sampling.path.path_search import largest_drive_factor, longest_path_period
 from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, Row
@@ -17,6 +25,7 @@ __all__ = [
     "Drive",
     "DriveCells",
     "PathBounds",
+    "PathGain",
     "PathLoop",
     "PathProof",
     "Row",
@@ -29,5 +38,9 @@ __all__ = [
     "longest_path_period",
     "prove_path",
     "prove_path_for",
+    "proved_disturbance_factor",
+    "proved_period_factor",
+    "reserve_of_gain",
+    "resting_gain",
     "with_gain",
 ]

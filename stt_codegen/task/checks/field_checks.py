@@ -160,7 +160,7 @@ def _integers_problem(task: TaskTables) -> str | None:
         return f'emit.scalar: "fixed" is for {kinds} tubes; tube.design = "{task.tube.design}" takes "float" or "double"'
     if emit.tick_period is None:
         return 'emit.tick_period: is missing; with emit.scalar = "fixed" time is a count of ticks, say how many seconds one is'
-    if control.u_max is None:
+    if task.u_max is None and not task.has_automatic_limit:
         return 'control.u_max: is missing; with emit.scalar = "fixed" u counts parts of it, so say how large it may be'
     if control.period is not None and (control.period / emit.tick_period).denominator != 1:
         ticks = max(1, control.period // emit.tick_period)
@@ -181,6 +181,9 @@ def _integers_problem(task: TaskTables) -> str | None:
 
 def _plant_problem(task: TaskTables) -> str | None:
     """Return a message where a plant bound has a wrong sign or contradicts another, else None."""
+    stated = [name for name in PLANT_BOUNDS if getattr(task.plant, name) is not None]
+    if task.plant.exact and stated:
+        return f"plant.exact: is true, so f = w = 0 and g = 1; leave plant.{stated[0]} out, or exact"
     for name in PLANT_BOUNDS:
         value = getattr(task.plant, name)
         positive = name in ("g_min", "g_max")
@@ -210,9 +213,8 @@ def _drive_problem(task: TaskTables) -> str | None:
                 return f"{field}: is {decimal(entry)}; it must be less than 1, a share of a step"
         if value is None:
             continue
-        for option, why in (("period", "the time between samples"), ("u_max", "how large a command may be")):
-            if getattr(task.control, option) is None:
-                return f"control.{option}: is missing; with plant.{name} a proof needs {why}"
+        if task.control.period is None:
+            return f"control.period: is missing; with plant.{name} a proof needs the time between samples"
     return None
 
 
@@ -246,9 +248,9 @@ def _velocity_problem(task: TaskTables) -> str | None:
     if not task.uses_differences:
         problem = "is for a velocity by differences; leave it out, or set control.velocity"
         return f"control.period_min: {problem}" if control.period_min is not None else None
-    for name, why in (("period", "over what time a difference is taken"), ("u_max", "how far the velocity turns in it")):
-        if getattr(control, name) is None:
-            return f'control.{name}: is missing; with control.velocity = "differences" it must be known {why}'
+    if control.period is None:
+        why = "it must be known over what time a difference is taken"
+        return f'control.period: is missing; with control.velocity = "differences" {why}'
     if control.period_min is not None and control.period_min > task.sampling_period:
         problem = f"is {decimal(control.period_min)}, above control.period = {decimal(task.sampling_period)}"
         return f"control.period_min: {problem}; use that or less"
@@ -268,10 +270,10 @@ def _scale_problem(task: TaskTables) -> str | None:
     control = task.control
     if control.u_max is None:
         return "which limits u by control.u_max; give it, or leave saturate out"
-    if len(set(task.u_max or ())) > 1 or len(set(task.gain)) > 1:
-        return "for which control.u_max and control.gain must be one number each"
     if control.period is not None:
         return 'of which nothing is shown for a sampled law; leave control.period out, or use "clip"'
+    if len(set(task.u_max or ())) > 1 or len(set(task.gain)) > 1:
+        return "for which control.u_max and control.gain must be one number each"
     if not task.tube.capabilities.scales_input or task.order == 2:
         return f'which is for the {kinds_offering("scales_input")} design and plants of order 1; use "clip"'
     if any(isinstance(v, tuple) for v in task.plant.bounds.values()):
@@ -358,8 +360,23 @@ def _control_problem(task: TaskTables) -> str | None:
         return f'control.saturate: is "scale", {problem}'
     if problem := _outside_problem(task):
         return f'control.outside: is "{control.outside}", {problem}'
-    if control.gain == "auto" and control.period is None:
-        return 'control.gain: is "auto", which needs control.period; give the seconds between samples, or a number'
+    return _choice_problem(task)
+
+
+def _choice_problem(task: TaskTables) -> str | None:
+    """Return a message where a gain or a limit is to be chosen and cannot be, or where an option of that choice has no use."""
+    control = task.control
+    if control.period is None:
+        for name in ("gain", "u_max"):
+            if isinstance(rule := getattr(control, name), str):
+                return f'control.{name}: is "{rule}", which needs control.period; give the seconds between samples, or a number'
+    is_gentle = task.has_automatic_gain and control.gain != "tight"
+    for name, is_read, rules in (
+        ("rest", is_gentle, 'control.gain is "auto"'),
+        ("reserve", is_gentle or task.has_automatic_limit, 'control.gain or control.u_max is "auto"'),
+    ):
+        if getattr(control, name) is not None and not is_read:
+            return f"control.{name}: is read where {rules}; leave it out, or let the tool choose"
     return None
 
 
