@@ -19,7 +19,16 @@ from stt_codegen.report.control_notes import choice_lines, control_notes
 from stt_codegen.sampling import LIMIT_FACTORS, exact_loop, loop_of, needed_input, path_loop_of
 from stt_codegen.sampling.path import PathLoop, prove_path, resting_gain, with_gain
 from stt_codegen.task import parse_task
-from tests.support.checked_files import REFUSED, VERIFIED, Files, verdict, verdict_of_proof, with_certificate, with_hashes
+from tests.support.checked_files import (
+    REFUSED,
+    VERIFIED,
+    Files,
+    certificate_of,
+    verdict,
+    verdict_of_proof,
+    with_certificate,
+    with_hashes,
+)
 from tests.support.controllers import build_once, controller_of
 
 CART = """
@@ -186,12 +195,11 @@ def test_the_checker_verifies_what_was_chosen(text: str, tmp_path: Path) -> None
 
 @pytest.mark.parametrize("factor", ["0.99", "0.5", "1.01"])
 def test_the_checker_refuses_an_assumed_disturbance_that_is_bent(factor: str, tmp_path: Path) -> None:
-    def bend(document: dict[str, Any]) -> None:
-        plant = document["sampled"]["plant"]
-        plant["w_max"] = [str(Fraction(v) * Fraction(factor)) for v in plant["w_max"]]
-
-    files = with_hashes(with_certificate(files_of(build_once(parse_task(CART)), CART), bend))
-    result = verdict_of_proof(files, tmp_path)
+    files = files_of(build_once(parse_task(CART)), CART)
+    certificate = certificate_of(files)
+    plant = certificate["sampled"]["plant"]
+    plant["w_max"] = [str(Fraction(v) * Fraction(factor)) for v in plant["w_max"]]
+    result = verdict_of_proof(with_hashes(with_certificate(files, certificate)), tmp_path)
     assert result.code == REFUSED
     assert "the certificate's sampled plant is not the task's" in result.message
 
@@ -202,20 +210,18 @@ def test_the_checker_assumes_a_plant_only_where_the_task_has_none(text: str, cla
     other_text = EXACT if text is CART else CART
     sampled = json.loads(build_once(parse_task(other_text)).files["cart.certificate.json"])["sampled"]
 
-    def exchange(document: dict[str, Any]) -> None:
-        document["sampled"]["plant"][claim] = sampled["plant"][claim]
-
-    files = with_hashes(with_certificate(files_of(build_once(parse_task(text)), text), exchange))
-    assert verdict_of_proof(files, tmp_path).code == REFUSED
+    files = files_of(build_once(parse_task(text)), text)
+    certificate = certificate_of(files)
+    certificate["sampled"]["plant"][claim] = sampled["plant"][claim]
+    assert verdict_of_proof(with_hashes(with_certificate(files, certificate)), tmp_path).code == REFUSED
 
 
 @pytest.mark.parametrize("factor", ["0.5", "2"])
 def test_the_checker_refuses_a_chosen_limit_that_the_proof_or_the_c_does_not_have(factor: str, tmp_path: Path) -> None:
-    def bend(document: dict[str, Any]) -> None:
-        document["control"]["u_max"] = [str(Fraction(v) * Fraction(factor)) for v in document["control"]["u_max"]]
-
-    files = with_hashes(with_certificate(files_of(build_once(parse_task(STATED)), STATED), bend))
-    assert verdict_of_proof(files, tmp_path).code == REFUSED
+    files = files_of(build_once(parse_task(STATED)), STATED)
+    certificate = certificate_of(files)
+    certificate["control"]["u_max"] = [str(Fraction(v) * Fraction(factor)) for v in certificate["control"]["u_max"]]
+    assert verdict_of_proof(with_hashes(with_certificate(files, certificate)), tmp_path).code == REFUSED
 
 
 @pytest.mark.parametrize(
