@@ -126,7 +126,6 @@ def test_the_shift_grows_with_noise_and_shorter_periods_until_a_refusal() -> Non
 @pytest.mark.parametrize(
     ("changes", "field"),
     [
-        ({"control": {"u_max": None, **BY_DIFFERENCES}}, "control.u_max"),
         ({"control": {"period": None, **BY_DIFFERENCES}}, "control.period"),
         ({"control": {"period_min": 0.03, **BY_DIFFERENCES}}, "control.period_min"),
         ({"control": {"period_min": 0.01}}, "control.period_min"),

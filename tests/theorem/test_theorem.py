@@ -303,7 +303,7 @@ MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), pattern, replaceme
     ("trolley", 0, rb"period = 0\.02 ", b"period = 0.06 ", "period_checked"),
     ("trolley", 0, rb"w_max = 0\.1\n", b"w_max = 1.75\n", "period_checked"),
     ("trolley", 0, rb"share = 0\.9 ", b"share = 0.91 ", "period_checked"),
-    ("trolley", 2, rb'"gain": \["89/500"', b'"gain": ["89/5000"', "another gain"),
+    ("trolley", 2, rb'"gain": \["24/625"', b'"gain": ["24/6250"', "another gain"),
     ("rover", 0, rb"radius = 0\.5", b"radius = 0.501", "tube_checked"),
     ("rover", 0, rb"centre = \[2\.6, 1\.2\]", b"centre = [2.6, 1.3]", "tube_checked"),
     ("rover", 0, rb"centre = \[2\.6, 1\.2\]\nradius", b'axes = ["x"]\ncentre = [2.6]\nradius', "tube_checked"),
