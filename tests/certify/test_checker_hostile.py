@@ -404,6 +404,7 @@ upper = [{space}]
 min_width = 0.000004
 [control]
 gain = {gain}
+u_max = 1e29
 e_max = {e_max}
 period = {period}
 [plant]

@@ -224,7 +224,7 @@ def test_the_sampled_theorem_reaches_the_longest_period_of_p9(tmp_path: Path, to
     """The tool refuses a period of 0.069 s; docs/theorem.md states 0.068 s."""
     tool("coqc")
     text = (ROOT / "tasks/omni_s1.toml").read_text().replace("[target_set]", "share = 0.5\n\n[target_set]")
-    text = text.replace("gain = 0.5", 'gain = "auto"\nperiod = {}\n\n[plant]\nw_max = 0.05')
+    text = text.replace("gain = 0.5", 'gain = "tight"\nu_max = 1000.0\nperiod = {}\n\n[plant]\nw_max = 0.05')
     for period, code in (("0.069", 3), ("0.068", 0)):
         (tmp_path / "task.toml").write_text(text.format(period))
         result = run_command("generate", str(tmp_path / "task.toml"), "--out", str(tmp_path))
