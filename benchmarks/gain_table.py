@@ -66,9 +66,9 @@ class MovingTube:
     def at(self, t: float) -> tuple[Array, Array]:
         """Return edges and their rates at a time, (n, 2) each; from t_c on the tube stands."""
         end, segments = float(self.design.prescribed_time), self.design.segments
-        place = min(max(t, 0.0), end) / end * segments
-        k = min(int(place), segments - 1)
-        s = place - k
+        spline_time = min(max(t, 0.0), end) / end * segments
+        k = min(int(spline_time), segments - 1)
+        s = spline_time - k
         weights = np.array([(1 - s) ** 3, 3 * s * (1 - s) ** 2, 3 * s**2 * (1 - s), s**3])
         slopes = np.array([-((1 - s) ** 2), (1 - s) * (1 - 3 * s), s * (2 - 3 * s), s**2]) * 3 * segments / end
         return self.points[k] @ weights, self.points[k] @ slopes * (t < end)
@@ -110,8 +110,8 @@ class Runs:
         changes: list[float] = []
         inputs: list[float] = []
         for k in range(math.ceil(float(task.prescribed_time) / period)):
-            seen = x + noise * rng.uniform(-1, 1, x.shape), v + noise_v * rng.uniform(-1, 1, x.shape)
-            commanded = self._law(tube, k * period, *seen)
+            measurement = x + noise * rng.uniform(-1, 1, x.shape), v + noise_v * rng.uniform(-1, 1, x.shape)
+            commanded = self._law(tube, k * period, *measurement)
             changes += [] if before is None else [((commanded - before) ** 2).mean()]
             inputs.append((commanded**2).mean())
             before, push = commanded, rng.uniform(-1, 1, x.shape)
@@ -162,8 +162,8 @@ class Runs:
             a, b = self._distances(tube, t, x, v)
             push = np.where(a >= b, 1.0, -1.0)
             g_drawn = np.where(u * push < 0, g_min, g_max)
-        others = np.abs(u).sum(axis=1, keepdims=True) - np.abs(u)
-        rate = force * push + g_drawn * u + cross * others * np.sign(push)
+        coupled_inputs = np.abs(u).sum(axis=1, keepdims=True) - np.abs(u)
+        rate = force * push + g_drawn * u + cross * coupled_inputs * np.sign(push)
         if self.controller.task.order == 1:
             return x + rate * dt, v
         return x + v * dt + rate * dt**2 / 2, v + rate * dt
