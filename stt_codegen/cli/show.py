@@ -18,7 +18,7 @@ from rich.text import Text
 from stt_codegen.certify.missions import describe_entry
 from stt_codegen.compare import ComparisonRow
 from stt_codegen.decimals import by_component
-from stt_codegen.loop import RunReport
+from stt_codegen.loop import RunReport, written_drive
 from stt_codegen.report import (
     BoundsReport,
     DesignReport,
@@ -256,7 +256,7 @@ def show_run(report: RunReport) -> None:
         tube += "; the task was met without a guarantee"
     console.print(f"  tube: {tube}; |e| up to {_numbers(run.e)}; |u| up to {_numbers(run.u)}")
     for line in report.proof_lines:
-        console.print(f"  beforehand: {line}")
+        console.print(f"  beforehand: {escape(line)}")
     for path in report.files:
         console.print(f"  {path}")
 
@@ -271,8 +271,8 @@ def _conditions(report: RunReport) -> list[str]:
         conditions.append(f"x measured to {s.noise:g}")
     if s.noise_v:
         conditions.append(f"v measured to {s.noise_v:g}")
-    if s.lag:
-        conditions.append(f"u through a lag of {format_time(s.lag)}")
+    if s.has_drives:
+        conditions.append(f"u through {written_drive(s.drives)}{', as bad as it may be' if s.is_adverse else ''}")
     if s.latency:
         conditions.append(f"u {format_time(s.latency)} late")
     if s.lost:

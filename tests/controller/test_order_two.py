@@ -25,7 +25,7 @@ from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import describe_proof
+from stt_codegen.loop.foretold import describe_proof
 from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario
 from stt_codegen.loop.simulate import random_start as draw_start

@@ -16,7 +16,7 @@ from stt_codegen.checker import check_files
 from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import describe_proof
+from stt_codegen.loop.foretold import describe_proof
 from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import Loop, Scenario, random_start, scenario_of_task
 from stt_codegen.pipeline import EmittedController
