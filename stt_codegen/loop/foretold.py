@@ -54,7 +54,7 @@ def _problem_outside_theory(controller: EmittedController, scenario: Scenario, s
     task = controller.task
     if not controller.certificate.tube_holds:
         return "the tube is not certified: nothing is proved"
-    if scenario.has_drives and all(bounds.acts_at_once for bounds in task.drive_bounds):
+    if scenario.has_drives and not task.has_drive:
         drive = written_drive(scenario.drives)
         return f"not proved: u acts through a drive with {drive}, and the task states none; put it into [plant]"
     if task.uses_differences and any(start[task.dimension :]):
@@ -133,4 +133,4 @@ def written_drive(drives: Sequence[DriveBounds]) -> str:
 
 def drives_of(lag: float, task: Task) -> tuple[DriveBounds, ...]:
     """Return drives with one first-order lag, in seconds, in all components; 0: none."""
-    return (DriveBounds(Fraction(lag), Fraction(0), None, Fraction(0)),) * task.dimension
+    return (DriveBounds(Fraction(f"{lag:.12g}"), Fraction(0), None, Fraction(0)),) * task.dimension

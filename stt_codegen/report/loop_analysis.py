@@ -184,7 +184,7 @@ class LoopAnalysis:
             assumptions.append(
                 f"samples are at least {decimal(task.shortest_period)} s apart, and their distance is measured exactly"
             )
-        if not all(bounds.acts_at_once for bounds in task.drive_bounds):
+        if task.has_drive:
             assumptions.append(
                 f"periods and gains here are for a drive that acts at once; {Property.PERIOD.label} has the task's"
             )

@@ -409,9 +409,14 @@ class TaskTables(TomlTable):
         return tuple(DriveBounds(*values) for values in zip(lag, lag2, slew, overshoot, strict=True))
 
     @property
+    def has_drive(self) -> bool:
+        """Whether what acts of u may differ from what is commanded."""
+        return not all(bounds.acts_at_once for bounds in self.drive_bounds)
+
+    @property
     def has_late_input(self) -> bool:
         """Whether an input may act later than its sample, or otherwise than it is commanded: by latency or by the drive."""
-        return self.control.latency > 0 or not all(bounds.acts_at_once for bounds in self.drive_bounds)
+        return self.control.latency > 0 or self.has_drive
 
     def coupling_of(self, inputs: Sequence[Fraction]) -> tuple[Fraction, ...]:
         """Return by component the sum over j != i of |g_ij| |u_j|, for |u_j| <= inputs_j: what the other inputs move it by."""

@@ -73,6 +73,7 @@ DRIVES = {
     "two lags, slew and overshoot": CART.replace("lag = 0.08", "lag = [0.05, 0.06]\nlag2 = 0.01\nslew = 40.0\novershoot = 0.05"),
     "latency": CART.replace("lag = 0.08", "lag = 0.06").replace("period = 0.02", "period = 0.02\nlatency = 0.01"),
     "order 2": DRONE.replace("[plant]", "[plant]\nlag = [0.04, 0.04, 0.02]"),
+    "integers": CART + '\n[emit]\nscalar = "fixed"\ntick_period = 0.001\n',
     "repeated, by recent bounds": WATCHMAN + "\n[control]\nperiod = 0.02\nu_max = 1.5\n[plant]\nw_max = 0.05\nlag = 0.08\n",
 }
 

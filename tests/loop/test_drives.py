@@ -14,7 +14,7 @@ import pytest
 from scipy.linalg import expm
 
 from stt_codegen.loop.command import Request, simulate
-from stt_codegen.loop.foretold import describe_proof
+from stt_codegen.loop.foretold import describe_proof, drives_of
 from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import Loop, Run, Scenario, random_start, scenario_of_task
 from stt_codegen.pipeline import EmittedController
@@ -64,7 +64,7 @@ def attacked(name: str, factor: Fraction, seeds: range) -> list[Run]:
     ]
 
 
-@pytest.mark.parametrize("name", ["cart", "two lags, slew and overshoot", "latency", "order 2"])
+@pytest.mark.parametrize("name", ["cart", "two lags, slew and overshoot", "latency", "order 2", "integers"])
 def test_adverse_drives_keep_what_is_proved(name: str) -> None:
     controller, _ = loops(name)
     proof = controller.certificate.proved_period
@@ -142,7 +142,7 @@ def test_simulate_takes_the_tasks_drive_and_lag_replaces_it() -> None:
     document = report.document()["drives"]
     assert document[0] == {"lag": 0.05, "lag2": 0.01, "slew": 40.0, "overshoot": 0.05}
     replaced = simulate(controller, Request(lag=0.02), None)
-    assert replaced.scenario.drives == (DriveBounds(Fraction(0.02), ZERO, None, ZERO),) * 2
+    assert replaced.scenario.drives == (DriveBounds(Fraction(1, 50), ZERO, None, ZERO),) * 2
     assert not simulate(controller, Request(lag=0.0), None).scenario.has_drives
 
 
@@ -162,7 +162,32 @@ def test_a_run_beyond_the_proof_is_foretold_as_not_proved(changes: dict[str, Any
     assert line.startswith(f"not proved: {problem}")
 
 
+def test_the_lag_that_the_task_states_is_within_the_proof_as_an_option_too() -> None:
+    controller = build_once(task_of("cart"))
+    for lag, verdict in ((0.08, "proved, period (P9)"), (0.0, "proved, period (P9)"), (0.0801, "not proved: the drive")):
+        scenario = adverse(controller.task, "outward", drives=drives_of(lag, controller.task))
+        assert describe_proof(controller, None, scenario)[-1].startswith(verdict)
+
+
 def test_a_drive_that_the_task_does_not_state_is_foretold_as_not_proved() -> None:
     task = task_of("cart").changed(plant={"lag": None})
     (line,) = simulate(build_once(task), Request(lag=0.01), None).proof_lines
     assert line == "not proved: u acts through a drive with a lag of 0.01 s, and the task states none; put it into [plant]"
+
+
+@pytest.mark.parametrize("lag", [0.16, 0.2, 0.25])
+def test_a_velocity_loop_that_is_driven_by_its_velocity_is_a_plant_of_order_two(lag: float) -> None:
+    """docs/drive.md: u_cmd = v + T u makes v' = (T/lag) u, but for the error and the age of the v in u_cmd."""
+    draw, step, nominal, age, error = np.random.default_rng(1), 1e-4, 0.2, 0.005, 0.01
+    v, largest, difference = [0.0], 0.0, 0.0
+    for k in range(20_000):
+        if k % 200 == 0:
+            u = draw.uniform(-0.7, 0.7)
+        if k % round(age / step) == 0:
+            measured = v[-1] + draw.uniform(-error, error)
+        acceleration = (measured + nominal * u - v[-1]) / lag
+        largest = max(largest, abs(acceleration))
+        difference = max(difference, abs(acceleration - nominal / lag * u))
+        v.append(v[-1] + step * acceleration)
+    bound = (error + largest * age) / lag
+    assert 0.5 * bound < difference <= bound

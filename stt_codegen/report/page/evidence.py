@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from stt_codegen.certify import Finding
+from stt_codegen.certify.sampled import drive_words
 from stt_codegen.checker import archive
 from stt_codegen.compare import ComparisonRow, compare_backend
 from stt_codegen.decimals import decimal
@@ -310,7 +311,11 @@ def _unproved_of_the_plant(controller: EmittedController) -> Iterator[str]:
     if task.assumes_plant:
         stated = f"bounds that are assumed, as the task has no [plant]: {assumed_words(task)}"
     yield f"That your plant is within {stated}, and that nothing else acts on it."
-    yield f"That there is no {'inertia or ' if task.order == 1 else ''}lag between u and what it moves."
+    if task.has_drive:
+        yield f"That what acts of u is as stated: {'; '.join(drive_words(task))}."
+        yield "That the drive does not saturate below control.u_max and does not wind up. The page's own plant acts at once."
+    else:
+        yield f"That there is no {'inertia or ' if task.order == 1 else ''}lag between u and what it moves."
     yield "That what you measure is the state" + (
         f", to {decimal(task.plant.noise)} at most." if task.plant.noise else ", without an error."
     )

@@ -114,7 +114,8 @@ def summary(controller: EmittedController) -> Summary:
 
 def _assumptions(task: Task, certificate: Certificate, calls_library: bool) -> str:
     """Return the assumptions by name, as one sentence."""
-    names = ["no inertia (plant.order = 1) and no lag" if task.order == 1 else "no lag"]
+    lag = "drives as [plant] states them" if task.has_drive else "no lag"
+    names = [f"no inertia (plant.order = 1) and {lag}" if task.order == 1 else lag]
     stated = "the bounds of [plant]" if task.plant.is_stated else "a plant as Theorem 4.1 has it"
     names.append(f"a plant of which the task says nothing: {assumed_words(task)}" if task.assumes_plant else stated)
     names.append("what is measured is the state" + (f" to {decimal(task.plant.noise)}" if task.plant.noise else ""))
