@@ -133,6 +133,7 @@ STUDY_PERIODS = {  # milliseconds by the sharp conditions and by the path
 DISTURBANCES = {"omni_s2": 0.1}  # w_max of the second table, where the task has none
 PERIOD_OF_GAIN = Fraction(1, 50)  # seconds, for which the second table chooses gains
 PERIOD_INPUT_MULTIPLE = Fraction(3, 2)
+RESTING_ERROR, RESERVE = Fraction(7, 10), Fraction(3, 2)  # of the gentlest gain
 
 
 @dataclass(frozen=True)
@@ -292,20 +293,20 @@ def _cell(values: Sequence[str], study: Sequence[int]) -> str:
 
 def period_row(name: str) -> list[str]:
     """Return the second table's row of a robot: the longest periods by the sharp conditions and by the path, in milliseconds."""
-    robot = robot_of(name, DISTURBANCES.get(name))
-    limits = [PERIOD_INPUT_MULTIPLE * u for u in robot.needed]
+    robot, (by_conditions, by_path) = robot_of(name, DISTURBANCES.get(name)), STUDY_PERIODS[name]
+    limits, study = [PERIOD_INPUT_MULTIPLE * u for u in robot.needed], f"{by_conditions} -> {by_path}"
     loop = robot.loop.with_laws([replace(law, u_max=u) for law, u in zip(robot.loop.laws, limits, strict=True)])
-    gain = choose_path_gain(loop.with_period(PERIOD_OF_GAIN), [bounds.force for bounds in robot.task.plant_bounds])
-    study = STUDY_PERIODS[name]
-    if gain is None:
-        return [name, "-", "-", "-", f"{study[0]} -> {study[1]}"]
-    by_path = longest_path_period(with_gain(loop, gain), PERIOD_OF_GAIN)
-    law = {"gain": np.array([float(k) for k in gain]), "u_max": np.array([float(u) for u in limits])}
+    disturbance = [bounds.force for bounds in robot.task.plant_bounds]
+    choice = choose_path_gain(loop.with_period(PERIOD_OF_GAIN), disturbance, RESTING_ERROR, RESERVE)
+    if choice is None:
+        return [name, "-", "-", "-", study]
+    longest = longest_path_period(with_gain(loop, choice.gain), PERIOD_OF_GAIN)
+    law = {"gain": np.array([float(k) for k in choice.gain]), "u_max": np.array([float(u) for u in limits])}
     with np.errstate(all="ignore"):
-        by_conditions = longest_proved_period("sharp", robot.doubles.with_law(**law))
-    seconds = by_conditions.seconds - float(loop.latency) if by_conditions else 0.0
-    path_text = "-" if by_path is None else f"{float(by_path) * 1e3:.0f}"
-    return [name, ", ".join(f"{float(k):.3g}" for k in gain), f"{seconds * 1e3:.0f}", path_text, f"{study[0]} -> {study[1]}"]
+        period = longest_proved_period("sharp", robot.doubles.with_law(**law))
+    seconds = [period.seconds - float(loop.latency) if period else 0.0, float(longest or 0)]
+    gains = ", ".join(f"{float(k):.3g}" for k in choice.gain)
+    return [name, gains, *(f"{v * 1e3:.0f}" for v in seconds), study]
 
 
 def main() -> int:
