@@ -2,16 +2,17 @@
 
 from stt_codegen.sampling.continuous import continuous_input_bound, epsilon_star, epsilon_star_norm, holds_saturated, holds_scaled
 from stt_codegen.sampling.gains import (
+    LIMIT_FACTORS,
     WORTHWHILE_PERIOD_RATIO,
     GainChoice,
     Gains,
     balancing_gain,
     choose_proved_gain,
+    limits_for,
     longest_proved_period_from,
     needed_input,
     rounded_gain,
 )
-from stt_codegen.sampling.limits import LIMIT_FACTORS, limits_for
 from stt_codegen.sampling.loops import condition_kinds_of, exact_loop, loop_of, path_loop_of, start_bound_of_task
 from stt_codegen.sampling.numbers import FRACTIONS, Fractions
 from stt_codegen.sampling.order_two import (

@@ -15,7 +15,7 @@ from stt_codegen.certify.sampled.control_choice import PERIOD_WITH_MARGIN
 from stt_codegen.controller import edge_and_rate_errors
 from stt_codegen.designs import require_refined
 from stt_codegen.pipeline import EmittedController
-from stt_codegen.report.control_notes import choice_lines, control_notes
+from stt_codegen.report import choice_lines, control_notes
 from stt_codegen.sampling import LIMIT_FACTORS, exact_loop, loop_of, needed_input, path_loop_of
 from stt_codegen.sampling.path import PathLoop, prove_path, resting_gain, with_gain
 from stt_codegen.task import parse_task

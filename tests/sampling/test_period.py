@@ -303,7 +303,7 @@ def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant:
 
 def test_the_board_at_a_slower_tick_is_refused_with_a_remedy_that_works() -> None:
     """Gain 0.5 at sixteen times the tick of tasks/omni_board.toml is too high; another gain is proved."""
-    task = controller_of("omni_board").task
+    task = controller_of("omni_board").task.changed(control={"u_max": "1000"}, plant={"exact": True})
     with pytest.raises(stt.NotCertified, match=r'fails by 0\.0.*use control.gain = "auto"'):
         build_once(task.changed(control={"gain": "0.5", "period": 16 * task.emit.tick_period}))
     assert build_once(task.changed(control={"gain": "auto", "period": 16 * task.emit.tick_period})).certificate.holds
@@ -343,7 +343,9 @@ def test_a_period_is_for_refined_tubes(design: str) -> None:
 
 
 def test_uncertified_files_name_the_failed_period(tmp_path: Path) -> None:
-    controller = build_once(controller_of("omni_s2").task.changed(control={"gain": "0.5", "period": "0.01"}), uncertified=True)
+    unlimited = {"gain": "0.5", "period": "0.01", "u_max": "1000"}
+    task = controller_of("omni_s2").task.changed(control=unlimited, plant={"exact": True})
+    controller = build_once(task, uncertified=True)
     assert not controller.certificate.holds
     assert "PERIOD_PROVED" not in controller.files["omni_s2.h"].decode()
     assert "P9 period" in controller.files["omni_s2.h"].decode()

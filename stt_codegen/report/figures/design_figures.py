@@ -20,7 +20,7 @@ from stt_codegen.program.analyse import cost_of, table_bytes
 from stt_codegen.program.targets.c.runner import STRICT, find_compiler
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import SamplingReport, round_up
-from stt_codegen.report.control_notes import choice_lines, control_notes
+from stt_codegen.report.figures.control_notes import choice_lines, control_notes
 from stt_codegen.report.notes import task_notes
 
 

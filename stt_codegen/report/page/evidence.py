@@ -29,7 +29,7 @@ from stt_codegen.errors import SttError
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC, find_compiler
 from stt_codegen.properties import OF_THE_INPUT, Property
-from stt_codegen.report.control_notes import assumed_words
+from stt_codegen.report.figures import assumed_words
 from stt_codegen.report.page.bill_of_materials import library_calls
 from stt_codegen.report.page.misra import DEVIATIONS, count_deviations
 from stt_codegen.task import Task

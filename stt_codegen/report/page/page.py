@@ -20,8 +20,7 @@ from stt_codegen.plants import Model
 from stt_codegen.program.targets.template_files import template, template_folder
 from stt_codegen.properties import OF_THE_INPUT, Property
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.control_notes import assumed_words
-from stt_codegen.report.figures import DesignReport
+from stt_codegen.report.figures import DesignReport, assumed_words
 from stt_codegen.report.page.bill_of_materials import bill_of_materials, library_calls
 from stt_codegen.report.page.drive import DriveModule, compile_drive_module, default_plant, drive_settings
 from stt_codegen.report.page.evidence import Evidence, format_margin

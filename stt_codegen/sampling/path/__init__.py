@@ -6,7 +6,6 @@ docs/sampling-path.md has the theorem and its proof.
 from stt_codegen.sampling.path.drive_response import Drive, DriveCells
 from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
 from stt_codegen.sampling.path.path_gain import (
-    PathGain,
     choose_path_gain,
     proved_disturbance_factor,
     proved_period_factor,
@@ -25,7 +24,6 @@ __all__ = [
     "Drive",
     "DriveCells",
     "PathBounds",
-    "PathGain",
     "PathLoop",
     "PathProof",
     "Row",
