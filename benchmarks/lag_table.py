@@ -220,16 +220,16 @@ class Search:
 
     def run(self, first: tuple[int, int], enough: Fraction | None) -> tuple[Fraction, tuple[int, int]]:
         """Climb from a choice of the grid to the best one around it, or to a lag that is enough. Return lag and choice."""
-        best, at, seen = self.largest_with(first, Fraction(0)), first, {first}
+        best, at, tried = self.largest_with(first, Fraction(0)), first, {first}
         if not best:
             at = next((c for c in GRID if self.is_proved(c, FIRST_LAG)), first)
             best = self.largest_with(at, Fraction(0)) if at != first else best
         pending = _neighbours(at) if best else []
         while pending and (enough is None or best < enough):
             choice = pending.pop(0)
-            if choice in seen:
+            if choice in tried:
                 continue
-            seen.add(choice)
+            tried.add(choice)
             lag = self.largest_with(choice, best)
             if lag:
                 best, at, pending = lag, choice, _neighbours(choice)
@@ -256,18 +256,18 @@ class LargestLag:
 
 def largest_lag(robot: Robot, rate: int, lag_count: int) -> LargestLag:
     """Return the largest lag, or the sum of two equal ones, that some choice proves; 0 where none is."""
-    least: Fraction | None = None
+    smallest_lag: Fraction | None = None
     choice, proof_time = FIRST_CHOICE, 0.0
     for loop, balancing, needed in robot.parts():
         search = Search(loop.with_period(Fraction(1, rate)), balancing, needed, lag_count)
-        lag, at = search.run(choice, least)
-        if least is None or lag < least:
-            least, choice = lag, at
+        lag, at = search.run(choice, smallest_lag)
+        if smallest_lag is None or lag < smallest_lag:
+            smallest_lag, choice = lag, at
         if lag:
             begin = time.process_time()
-            search.is_proved(at, min(lag, least))
+            search.is_proved(at, min(lag, smallest_lag))
             proof_time += time.process_time() - begin
-    return LargestLag(least or Fraction(0), INPUT_MULTIPLES[choice[1]], proof_time)
+    return LargestLag(smallest_lag or Fraction(0), INPUT_MULTIPLES[choice[1]], proof_time)
 
 
 def lag_row(name: str, rates: Sequence[int], shares: Sequence[Fraction]) -> list[str]:

@@ -271,7 +271,7 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
         (worst_path_theorem, "closing_rate", wrong_closing_rate, "path.ends"),
         (worst_path_theorem, "closing_rate", wrong_closing_rate, "path.local"),
         (worst_path_theorem, "drive_answer", lambda start, c, lag, t: c + (start - c) * sp.exp(-t * lag), "path.drive"),
-        (worst_path_theorem, "own_time", lambda time, theta: time + theta, "path.early"),
+        (worst_path_theorem, "path_time", lambda time, theta: time + theta, "path.early"),
         (worst_path_theorem, "cell_speed", lambda at_begin, rest: at_begin * rest, "path.cells"),
         (integer_logarithm, "ARTANH_ERROR", -6, "path.logarithm"),
         (integer_logarithm, "LOG_TWO", integer_logarithm.LOG_TWO + 1000, "path.logarithm"),

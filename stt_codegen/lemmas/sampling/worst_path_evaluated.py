@@ -391,15 +391,15 @@ def _nearest_of_all(loop: PathLoop, i: int, inputs: Sequence[Fraction], history:
         bounds = loop.bounds_over(i, max(j for j, t in enumerate(loop.begins) if t <= begin), k, inputs)
         stretches += [] if bounds in stretches else [bounds]
     paths = [reference_path(bounds, None) for bounds in stretches]
-    for bounds, own_path in zip(stretches, paths, strict=True):
+    for bounds, path_of_window in zip(stretches, paths, strict=True):
         usable = [
-            (path.levels[-1], float(other.wide))
-            for other, path in zip(stretches, paths, strict=True)
-            if _hold_for(other, bounds) and (path.history or math.inf) <= float(history or 0)
+            (path.levels[-1], float(wider_bounds.wide))
+            for wider_bounds, path in zip(stretches, paths, strict=True)
+            if _hold_for(wider_bounds, bounds) and (path.history or math.inf) <= float(history or 0)
         ]
         results.append(max(usable, key=lambda result: result[0] / result[1], default=(1e-9, float(bounds.wide))))
-        is_needed = not any(_hold_for(other, bounds) for other in stretches if other != bounds)
-        cell_count += len(own_path.levels) if is_needed else 0
+        is_needed = not any(_hold_for(wider_bounds, bounds) for wider_bounds in stretches if wider_bounds != bounds)
+        cell_count += len(path_of_window.levels) if is_needed else 0
     return (*min(results, key=lambda result: result[0] / result[1]), cell_count)
 
 

@@ -27,7 +27,7 @@ def drive_answer(start: sp.Expr, command: sp.Expr, lag: sp.Expr, time: sp.Expr) 
     return command + (start - command) * sp.exp(-time / lag)
 
 
-def own_time(time: sp.Expr, theta: sp.Expr) -> sp.Expr:
+def path_time(time: sp.Expr, theta: sp.Expr) -> sp.Expr:
     """Return the own time of the path that is at the start's distance at the time theta."""
     return time - theta
 
@@ -157,10 +157,10 @@ def _prove_early() -> Outcome:
     return all_of(
         prove_identities(
             {
-                "l - own time at t = l - rest, less rest + theta": latency - own_time(latency - rest, theta) - (rest + theta),
-                "own time at t = -rest, before the start, plus rest + theta": own_time(-rest, theta) + (rest + theta),
-                "own time of a sample less (own time of its command - tau) - later": own_time(time - age + later, theta)
-                - (own_time(time, theta) - age)
+                "l - own time at t = l - rest, less rest + theta": latency - path_time(latency - rest, theta) - (rest + theta),
+                "own time at t = -rest, before the start, plus rest + theta": path_time(-rest, theta) + (rest + theta),
+                "own time of a sample less (own time of its command - tau) - later": path_time(time - age + later, theta)
+                - (path_time(time, theta) - age)
                 - later,
             }
         ),
