@@ -293,7 +293,7 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
             lambda law, narrow, rho: SHIPPED.input_bound(law, narrow, rho - 1),
             "path.joined",
         ),
-        (worst_path.PathBounds, "covers", lambda bounds, other: True, "path.proof"),
+        (worst_path.PathBounds, "covers", lambda bounds, tighter: True, "path.proof"),
         (path_proof, "_is_enough", lambda proof: True, "path.proof"),
         (theorem_4_1, "E", 2 * theorem_4_1.E, "theorem.edot"),  # it has no kernel; its definition is wrong instead
     ],
