@@ -21,13 +21,15 @@ COMBINATIONS = [options_of(alternatives) for alternatives in pairwise_combinatio
 MEANING_COMBINATIONS = [{*combination.split(", ")} for combination in meaning.COMBINATIONS]
 SPLIT = "exponent and mantissa"  # by bits; --meaning leaves them to the reader's eye
 SAMPLE_STEP = 40  # of the mutants that every run of the tests looks at
-SAME_VALUES = {r"positive \? dt : 2\.0": "the quotient is not used where dt is not positive"}
+SAME_VALUES = {
+    r"positive \? dt : 2\.0": "the quotient is not used where dt is not positive",
+    r"to_nearer = farther \?": "a tube without width has zeros",
+}
 # Of what --meaning does not notice: why not, by a pattern of the mutant's text.
 UNSEEN = SAME_VALUES | {
     r"^(?!.*(?:inside|x_above|x_below|z_above|z_below) = ).* < .* -> .* <= ": "both choices are equal where the compared values are",
     r"segment of a tick: .*early \? whole": "the last segment is counted up to the end",
     r"margin: return margin; -> return margin_next;": "it does not compile",
-    r"to_nearer = farther \?": "a tube without width has zeros",
     r"transform: .*(?:e_above|e_limited) = ": "the clamp of e is for rounding alone: the distances are clamped before",
     r"isfinite|sum of zeros|inputs that are not finite": "tests for NaN are for the reader's eye",
     r"z_beyond = z_distance <": "the distances of v + lambda x are large in these examples",
