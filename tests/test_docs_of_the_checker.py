@@ -135,7 +135,8 @@ def test_the_format_has_every_option_and_number_of_the_listings() -> None:
     numbers = {re.sub(r"_(table|minus)$", "", name) for name in re.findall(r"\$([a-z]\w*?)(?=U?\b)", text)} - {"name", "u_max"}
     starts = {f"{name}_{kind}" for name in TABLES_OF_STARTS for kind in ("type", "bits")}
     keys = f"{CONSTANTS} {CONSTANTS_OF_ORDER_2}".split()
-    named_together = {"row_2", "filters_type", "filters_bits", *starts, *keys}  # "`row_1` .. `row_3`", "the same of `filters` and .."
+    # in the table as "`row_1` .. `row_3`", "the same of `filters` and of the bounds of starts", "the keys of `integers`"
+    named_together = {"row_2", "filters_type", "filters_bits", *starts, *keys}
     assert {name for name in numbers if f"`{name}`" not in table} - named_together == set()
 
 
