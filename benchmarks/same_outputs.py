@@ -124,7 +124,7 @@ class Library:
 
 
 @dataclass(frozen=True)
-class Recorded:
+class InputRanges:
     """What inputs are drawn from. duration: the prescribed time in seconds; tick_period: seconds, 0 without ticks; reach: the
     largest |coordinate| of the tube, in units of its C; filters: lambda by component, for order 2; special_share: of numbers that
     are a NaN, an infinity, 0 or huge."""
@@ -137,15 +137,15 @@ class Recorded:
 
 
 def random_inputs(
-    f: Prototype, rng: np.random.Generator, count: int, recorded: Recorded, library: Library
+    f: Prototype, rng: np.random.Generator, count: int, ranges: InputRanges, library: Library
 ) -> dict[str, np.ndarray]:
     """Draw inputs of a function. library: the controller whose tube the states are by."""
     inputs: dict[str, np.ndarray] = {}
-    duration, reach = recorded.duration, recorded.reach
+    duration, reach = ranges.duration, ranges.reach
     for p in (p for p in f.parameters if not p.is_output):
         size = (count, p.length) if p.length else (count,)
         if p.name == "tick":
-            inputs[p.name] = rng.integers(0, int(1.2 * duration / recorded.tick_period) + 2, size).astype(KINDS[p.kind])
+            inputs[p.name] = rng.integers(0, int(1.2 * duration / ranges.tick_period) + 2, size).astype(KINDS[p.kind])
         elif p.kind in ("int32_t", "uint32_t"):
             inputs[p.name] = rng.uniform(-1.2 * reach, 1.2 * reach, size).astype(KINDS[p.kind])
         else:
@@ -153,16 +153,16 @@ def random_inputs(
                 p.name, (-1.2 * reach, 1.2 * reach)
             )
             inputs[p.name] = rng.uniform(low, high, size).astype(KINDS[p.kind])
-    _move_states_to_the_tube(inputs, rng, recorded, library)
+    _move_states_to_the_tube(inputs, rng, ranges, library)
     for values in inputs.values():
         if values.dtype.kind == "f":
-            is_special = rng.random(values.shape) < recorded.special_share
+            is_special = rng.random(values.shape) < ranges.special_share
             values[is_special] = rng.choice(SPECIAL, int(is_special.sum()))
     return inputs
 
 
 def _move_states_to_the_tube(
-    inputs: dict[str, np.ndarray], rng: np.random.Generator, recorded: Recorded, library: Library
+    inputs: dict[str, np.ndarray], rng: np.random.Generator, ranges: InputRanges, library: Library
 ) -> None:
     """Put most x, and v, between the edges at the time of the call or a little beyond. Without a time or a tube they stay."""
     names = [name for name in ("x", "v") if name in inputs]
@@ -176,11 +176,11 @@ def _move_states_to_the_tube(
         tube = library.functions[function]
         known = dict(inputs)
         if tube.parameters[0].name == "t" and time == "tick":
-            known["t"] = (inputs["tick"] * recorded.tick_period).astype(KINDS[tube.parameters[0].kind])
+            known["t"] = (inputs["tick"] * ranges.tick_period).astype(KINDS[tube.parameters[0].kind])
         lower, upper = (edge.astype(float) for edge in library.outputs(tube, known, count))
         drawn = lower + (upper - lower) * rng.uniform(-BEYOND_AN_EDGE, 1 + BEYOND_AN_EDGE, lower.shape)
         if x is not None:  # what was drawn is v + lambda x
-            drawn -= recorded.filters * x
+            drawn -= ranges.filters * x
         x = np.where(is_moved[:, None], drawn, inputs[name])
         inputs[name] = x.astype(inputs[name].dtype)
 
@@ -206,11 +206,11 @@ def differences(path: Path, options: argparse.Namespace) -> list[str] | None:
     wanted = set(options.functions.split(",")) if options.functions else None
     functions = [f for f in prototypes(header, prefix) if old.get(f.name) == f and (wanted is None or f.name in wanted)]
     functions = [f for f in functions if f"{prefix}_{f.name}(".encode() in now[path.name]]  # others are in files beside it
-    recorded = _recorded(path, header, now[path.name], options.special)
+    ranges = _input_ranges(path, header, now[path.name], options.special)
     libraries = [Library(files, prefix, functions) for files in (before, now)]
     messages, inside = [], []
     for f in functions:
-        inputs = random_inputs(f, np.random.default_rng(options.seed), options.count, recorded, libraries[1])
+        inputs = random_inputs(f, np.random.default_rng(options.seed), options.count, ranges, libraries[1])
         pairs = list(zip(*(library.outputs(f, inputs, options.count) for library in libraries), strict=True))
         if any(a.tobytes() != b.tobytes() and not _same_but_for_nan(a, b) for a, b in pairs):
             messages.append(f"{f.name} differs")
@@ -220,7 +220,7 @@ def differences(path: Path, options: argparse.Namespace) -> list[str] | None:
     return messages or [f"equal: {', '.join(f.name for f in functions)}{share}"]
 
 
-def _recorded(path: Path, header: str, c: bytes, special_share: float) -> Recorded:
+def _input_ranges(path: Path, header: str, c: bytes, special_share: float) -> InputRanges:
     """Read what inputs are drawn from: times in the header, coordinates in the C's table, lambda in the certificate."""
     prefix = path.stem.upper()
     stated = {name: float(v) for name, v in re.findall(rf"#define {prefix}_(\w+) (?:U?INT32_C\()?([\d.e-]+)", header)}
@@ -230,7 +230,7 @@ def _recorded(path: Path, header: str, c: bytes, special_share: float) -> Record
     reach = 6 * max(abs(float(v)) for v in re.findall(rb"-?[\d.]+(?:e-?\d+)?", table[1] if table else b"1"))
     certificate = json.loads((ROOT / path).with_suffix(".certificate.json").read_text())
     filters = np.array([float(Fraction(v)) for v in certificate.get("filter", [])])
-    return Recorded(duration, tick_period, reach, filters, special_share)
+    return InputRanges(duration, tick_period, reach, filters, special_share)
 
 
 def _same_but_for_nan(a: np.ndarray, b: np.ndarray) -> bool:

@@ -280,7 +280,8 @@ def reason_for_true_claim(label: str) -> str:
         return ""
     old, new = Fraction(change["old"]), Fraction(change["new"])
     changes = {"up" if new > old else "down"}
-    if abs(new - old) == 1 or 0 < old - new < old * ROUNDED_UP_BY:
+    is_one_unit = abs(new - old) == 1 and "/" not in change["old"] + change["new"]
+    if is_one_unit or 0 < old - new < old * ROUNDED_UP_BY:
         changes.add("step")
     for path, (possible, reason) in TRUE_CLAIMS.items():
         if re.fullmatch(path, change["path"]) and changes & set(possible.split()):

@@ -358,3 +358,18 @@ def test_changed_tokens_and_claims_are_refused_unless_they_mean_the_same() -> No
                 assert token_mutants.reason_for_same_meaning(mutant, task), mutant
     for label in token_mutants.accepted_claims("trolley", 8):
         assert token_mutants.reason_for_true_claim(label), label
+
+
+@pytest.mark.parametrize(
+    ("label", "may_be_true"),
+    [
+        ("claims.3 P4.margin: 30 to 29", True), ("claims.3 P4.margin: 30 to 31", False), ("claims.3 P4.margin: left out", False),
+        ("edge_error.0: 6 to 7", True), ("edge_error.0: 6 to 5", False), ("mission.time_margin: 2 to 1000002", True),
+        ("sampled.u.0: 3/2 to 5/2", True), ("sampled.u.0: 3/2 to 1/2", False), ("sampled.rho: left out", False),
+        ("sampled.shift.0: 1000001/1000000000000 to 1000001/1000000000001", True),
+        ("claims.9 P10.on.1: 64 to 63", True), ("claims.9 P10.on.1: 64 to 1000064", False), ("claims.9 P10: left out", True),
+        ("claims.3 P4: left out", False), ("control.gain.0: 1/2 to 1/3", False), ("sha256.trolley.c: left out", False),
+    ],
+)  # fmt: skip
+def test_only_a_weaker_claim_may_be_accepted(label: str, may_be_true: bool) -> None:
+    assert bool(token_mutants.reason_for_true_claim(label)) == may_be_true

@@ -105,6 +105,13 @@ def test_the_file_has_the_same_bytes_wherever_it_is_made(tmp_path: Path) -> None
     assert b"/home/" not in archive.archive_bytes()
 
 
+def test_the_archive_s_own_file_makes_it_without_the_package(shipped: dict[str, Path], tmp_path: Path) -> None:
+    """docs/checker.md says so to whoever has the folder alone."""
+    script = shutil.copy(FOLDER / "archive.py", shipped["folder"])
+    subprocess.run([sys.executable, "-I", script, str(tmp_path / "mine.pyz")], cwd=tmp_path, check=True)
+    assert (tmp_path / "mine.pyz").read_bytes() == archive.archive_bytes()
+
+
 def imported_modules(path: Path) -> set[str]:
     """Return the top-level modules that a file imports, its own package apart."""
     names = set()

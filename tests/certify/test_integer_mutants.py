@@ -46,6 +46,12 @@ def test_there_are_mutants_of_every_piece_of_the_listing_in_integers() -> None:
     assert len({mutant.heading for mutant in all_mutants()}) == 25
 
 
+def test_the_listing_in_integers_itself_is_noticed_by_nobody(tool, tmp_path: Path) -> None:
+    """So what notices a mutant is its change, and no fault of the checks."""
+    by_heading = {mutant.heading: mutant._replace(replacement=mutant.line) for mutant in all_mutants()}
+    assert [str(same) for same in by_heading.values() if is_noticed(same, tool("gcc"), tmp_path)] == []
+
+
 @pytest.mark.parametrize("mutant", all_mutants()[::SAMPLE_STEP], ids=str)
 def test_a_wrong_statement_in_integers_is_noticed(mutant: Mutant, tool, tmp_path: Path) -> None:
     assert is_noticed(mutant, tool("gcc"), tmp_path) or is_explained(mutant)
