@@ -287,8 +287,8 @@ def test_a_segment_has_a_limited_number_of_parts(cuts: int, code: int, tmp_path:
         claim["on"] = [scale * v for v in claim["on"]]
         for hint in claim.get("hints", []):
             hint[:2] = [scale * v for v in hint[:2]]
-    found, message = verdict(with_certificate(files, certificate), tmp_path)
-    assert found == code, message
+    code_of_verdict, message = verdict(with_certificate(files, certificate), tmp_path)
+    assert code_of_verdict == code, message
     assert code == VERIFIED or "cuts is no power of two up to" in message
 
 
