@@ -41,7 +41,7 @@ from stt_codegen.designs import RefinedDesign
 from stt_codegen.lemmas.emitted import examples, functions, printed_kernels
 from stt_codegen.lemmas.lemma import Lemma, Verdict
 from stt_codegen.lemmas.paper import transform, update_cells
-from stt_codegen.lemmas.sampling import first_exit, sampled_evaluated, sampled_exact, sampled_windows
+from stt_codegen.lemmas.sampling import first_exit, sampled_evaluated, sampled_exact, sampled_windows, worst_path_evaluated
 from stt_codegen.lemmas.sets import task_constraints as constraint_lemmas
 from stt_codegen.lemmas.tube import spline_edges
 from stt_codegen.paper import refined_tube
@@ -70,6 +70,7 @@ from stt_codegen.program.operations import REAL
 from stt_codegen.program.symbolic.paths import follow
 from stt_codegen.program.targets.python.printer import PythonPrinter
 from stt_codegen.sampling import loops, numbers, periods, sampled_loop, sampling_conditions, windows
+from stt_codegen.sampling.path import drive_response, integer_logarithm, path_proof, path_windows, worst_path
 from stt_codegen.task.sets import convex_sets as sets
 
 OPERATION_SWAPS = {
@@ -482,6 +483,29 @@ def _period_values() -> list[float]:
     return _numbers_of([values, logarithms, loop.longest_age, loop.law.shift, loop.law.eps_at_clamp, loop.start])
 
 
+def _path_values() -> list[float]:
+    """Return worst paths, what drives make of falling commands, bounds over windows, and proofs of loops."""
+    cases, starts = worst_path_evaluated.CASES, worst_path_evaluated.STARTS
+    values: list[Any] = [integer_logarithm.log_bounds(p, q) for p, q in ((3, 2), (1, 5), (181, 128), (7, 7))]
+    values += [worst_path.follow_worst_path(bounds, start) for _, bounds in cases for start in starts[::2]]
+    values += [worst_path.follow_worst_path(worst_path_evaluated.AT_REST, starts[3])]
+    for drive in worst_path_evaluated.DRIVES:
+        cells, command = drive_response.DriveCells(drive, 1 << 41, Fraction(1, 1 << 40), Fraction(1, 500)), 1 << 41
+        for _ in range(40):
+            values += [cells.acting(command) / 2**40, cells.is_steady(command)]
+            cells.step(command)
+            command -= 1 << 36
+        values += [drive.delay(Fraction(3)), drive.amplification, drive.scaled(Fraction(2))]
+    loop, changing = (
+        worst_path_evaluated.loop_of_drive(worst_path_evaluated.DRIVES[4], Fraction(1, 50)),
+        worst_path_evaluated.changing_loop(),
+    )
+    values += [loop.bounds_over(0, 1, 4, (Fraction(2), Fraction(3))), loop.start(1), loop.component(1), loop.row_at(Fraction(2))]
+    values += [loop.with_period(Fraction(1, 5)), loop.input_bound(0, Fraction(90)), loop.input_bound(0, Fraction(900))]
+    values += [path_proof.prove_path(v) for v in (loop, changing)]
+    return _numbers_of(values)
+
+
 def _curve_values() -> list[float]:
     """Return alpha's enclosing curves of an adaptive tube, and what they are computed from."""
     times = [0.25 * k for k in range(13)]
@@ -574,6 +598,19 @@ LEMMA_CODE: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], .
     (periods, "inputs_where_proved is_in_range", _period_values, (sampled_exact,)),
     (numbers.Fractions, "eps_of_share far_divisor near_divisor share_of_eps log_below log_above lesser evenly", _period_values,
      (sampled_exact, sampled_windows)),
+    (integer_logarithm, "twice_artanh log_bounds", _path_values, (worst_path_evaluated,)),
+    (drive_response, "decay_above", _path_values, (worst_path_evaluated,)),
+    (drive_response.Drive, "opposite_weight amplification delay scaled", _path_values, (worst_path_evaluated,)),
+    (drive_response.DriveCells, "__init__ acting is_steady step", _path_values, (worst_path_evaluated,)),
+    (worst_path, "power_below follow_worst_path", _path_values, (worst_path_evaluated,)),
+    (worst_path.PathBounds, "cell covers", _path_values, (worst_path_evaluated,)),
+    (worst_path._Law, "__init__ _clamped command", _path_values, (worst_path_evaluated,)),
+    (worst_path._Fall, "of at_edge at through_cell", _path_values, (worst_path_evaluated,)),
+    (worst_path._Path, "__init__ follow _command _history", _path_values, (worst_path_evaluated,)),
+    (path_windows.ComponentLaw, "input_bound", _path_values, (worst_path_evaluated,)),
+    (path_windows.PathLoop, "component with_period start bounds_over input_bound row_at", _path_values, (worst_path_evaluated,)),
+    (path_proof, "prove_path prove_path_for _search _follow _is_enough follow_from_start follow_local_paths _uncovered_paths "
+     "_together", _path_values, (worst_path_evaluated,)),
     (alpha_curves, "curve_values extremes_ahead", _curve_values, (update_cells,)),
     (alpha_curves.Curve, "of outer cell balance root beyond", _curve_values, (update_cells,)),
     (alpha_curves.Steps, "reach minimum", _curve_values, (update_cells,)),

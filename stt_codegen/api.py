@@ -121,7 +121,7 @@ def certify(task: Task | str | Path, tube: Design) -> Certificate:
     task = _load_if_path(task)
     pipeline.require_supported(task)
     pipeline.require_design_for(task, tube)
-    task = pipeline.with_chosen_gain(task, tube)
+    task = pipeline.with_chosen_control(task, tube)
     return pipeline.certify(task, tube, pipeline.build_program(task, tube))
 
 

@@ -23,9 +23,8 @@ Imports run one way: pyproject.toml has the order of all rooms, tests/test_layer
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from pathlib import Path
 
 from stt_codegen.certify import Certificate
@@ -75,7 +74,7 @@ def build_task(task: Task, uncertified: bool = False, tube: Design | None = None
     if tube is not None:
         require_design_for(task, tube)
     design = design_tube(task) if tube is None else tube
-    task = with_chosen_gain(task, design)
+    task = with_chosen_control(task, design)
     program = build_program(task, design)
     certificate = certify(task, design, program)
     if not certificate.holds and not certificate.is_law_defined:
@@ -135,10 +134,10 @@ def require_design_for(task: Task, tube: Design) -> None:
         raise BadInput(f"tube: {ends}; the task has repeat = {str(task.repeat).lower()}, design the tube for this task")
 
 
-def with_chosen_gain(task: Task, design: Design) -> Task:
-    """Return the task with the gain that is chosen for this tube, where the task leaves it open ("auto")."""
-    choose_gain = STAGES[design.kind].choose_gain
-    return task if choose_gain is None or not task.has_automatic_gain else task.with_gain(choose_gain(task, design))
+def with_chosen_control(task: Task, design: Design) -> Task:
+    """Return the task with what a task with a period leaves open chosen for this tube: its plant, the limit of u, the gain."""
+    choose_control = STAGES[design.kind].choose_control
+    return task if choose_control is None else choose_control(task, design)
 
 
 def design_tube(task: Task) -> Design:
@@ -175,13 +174,13 @@ def render_files(task: Task, design: Design, program: Program, certificate: Cert
 class Stages:
     """The functions that design, program and certify a tube of one kind.
 
-    choose_gain: the gain for the tube, by component, where the task leaves it open; None for a kind that proves no periods.
+    choose_control: the task with what it leaves open chosen for the tube; None for a kind that proves no periods.
     """
 
     design_tube: Callable[[Task], Design]
     build_program: Callable[[Task, Design], Program]
     certify: Callable[[Task, Design, Program], Certificate]
-    choose_gain: Callable[[Task, Design], Sequence[Fraction]] | None = None
+    choose_control: Callable[[Task, Design], Task] | None = None
 
 
 def _design_refined(task: Task) -> Design:
@@ -213,13 +212,15 @@ def _refined_program(task: Task, design: RefinedDesign) -> Program:
     return refined_program(task, design)
 
 
-def _choose_refined_gain(task: Task, design: RefinedDesign) -> Sequence[Fraction]:
-    from stt_codegen.certify.sampled import choose_gain
+def _choose_refined_control(task: Task, design: RefinedDesign) -> Task:
+    from stt_codegen.certify.sampled import choose_control
     from stt_codegen.controller import edge_and_rate_errors
 
+    if not (task.assumes_plant or task.has_automatic_limit or task.has_automatic_gain):
+        return task
     if task.emit.scalar == "fixed":  # a control law in integers has no constants before there is a gain
-        return choose_gain(task, design, *edge_and_rate_errors(design, None, task.emit.tick_period))
-    return choose_gain(task, design, *edge_and_rate_errors(design, _refined_program(task, design)))
+        return choose_control(task, design, *edge_and_rate_errors(design, None, task.emit.tick_period))
+    return choose_control(task, design, *edge_and_rate_errors(design, _refined_program(task, design)))
 
 
 def within_32_bits(program: Program) -> Program:
@@ -275,7 +276,7 @@ STAGES: Mapping[DesignKind, Stages] = {
         _design_refined,
         for_any_design(RefinedDesign, _refined_program),
         for_any_design(RefinedDesign, _certify_refined),
-        for_any_design(RefinedDesign, _choose_refined_gain),
+        for_any_design(RefinedDesign, _choose_refined_control),
     ),
     "adaptive": Stages(_design_adaptive, *_OF_ADAPTIVE),
     "literal": Stages(_design_literal, *_OF_ADAPTIVE),

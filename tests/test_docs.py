@@ -190,3 +190,11 @@ def test_the_closed_loop_in_python_control_ends_in_the_target(page: str) -> None
     x1, x2 = (float(v) for v in re.findall(r"\d\.\d+", result.stdout)[:2])
     assert 4.5 <= x1 <= 5.0
     assert 4.5 <= x2 <= 5.0
+
+
+def test_the_page_on_drives_has_the_table_that_its_program_prints() -> None:
+    page = (ROOT / "docs" / "drive.md").read_text()
+    result = subprocess.run([sys.executable, "docs/drive_example.py"], check=False, cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.count("\n") == 6
+    assert result.stdout in page

@@ -1,6 +1,6 @@
 """Certificates: properties P1 to P10 of a design and its Program, exact for refined tubes, by enclosures for adaptive ones."""
 
-from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PeriodProof
+from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PathClaim, PeriodProof
 from stt_codegen.certify.claims import SlackClaim, Stretch, claims_of, cuts_of
 from stt_codegen.certify.monitor import Cycle, Span, Time, holds
 from stt_codegen.certify.moving_slack import MovingBounds
@@ -11,6 +11,7 @@ __all__ = [
     "Finding",
     "MissionProof",
     "MovingBounds",
+    "PathClaim",
     "PeriodProof",
     "SlackClaim",
     "Span",

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 from stt_codegen.certify.monitor import Cycle, Witness
 from stt_codegen.decimals import decimal
@@ -77,12 +78,24 @@ class Finding:
         return f"{self.subject.label}{at}: fails by {decimal(self.required - self.margin)}{unit}"
 
 
+class PathClaim(NamedTuple):
+    """What the worst path of a component shows (docs/sampling-path.md).
+
+    nearest: Q_pk, to which no run comes nearer, in the task's units. history: A in seconds, over which bounds are enough; None
+    where one path has the bounds of the whole time.
+    """
+
+    nearest: Fraction
+    history: Fraction | None
+
+
 @dataclass(frozen=True, kw_only=True)
 class PeriodProof:
     """The numbers that P9 proves, by component unless stated otherwise.
 
     period, latency: seconds. share: starts have |e_i(0)| <= share. rho: e^E; |e_i| < (rho - 1)/(rho + 1) throughout. u: a bound
-    on |u_i|. shift: a bound on the error of the measured distances to the edges, from arithmetic and noise.
+    on |u_i|. shift: a bound on the error of the measured distances to the edges, from arithmetic and noise. paths: the worst
+    paths that prove it; empty where the sharp conditions do.
     """
 
     period: Fraction
@@ -91,6 +104,7 @@ class PeriodProof:
     rho: tuple[Fraction, ...]
     u: tuple[Fraction, ...]
     shift: tuple[Fraction, ...]
+    paths: tuple[PathClaim, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

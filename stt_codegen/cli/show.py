@@ -18,7 +18,7 @@ from rich.text import Text
 from stt_codegen.certify.missions import describe_entry
 from stt_codegen.compare import ComparisonRow
 from stt_codegen.decimals import by_component
-from stt_codegen.loop import RunReport
+from stt_codegen.loop import RunReport, written_drive
 from stt_codegen.report import (
     BoundsReport,
     DesignReport,
@@ -28,6 +28,7 @@ from stt_codegen.report import (
     format_time,
     sampling_lines,
 )
+from stt_codegen.steps import StepEnvelope
 
 
 class _Console(Console):
@@ -51,6 +52,8 @@ def show_design(report: DesignReport) -> None:
     if limits.largest_u is not None:
         saturated = f", saturated at {', '.join(f'{u:g}' for u in limits.u_max)}" if limits.u_max else ""
         console.print(f"  |u| up to {limits.largest_u:.4g} at the clamp{saturated}")
+    for line in limits.chosen:
+        _indented(console, escape(line))
     if limits.sampling is not None:
         _show_sampling(console, limits.sampling, limits.tick_period)
     cost = report.cost
@@ -108,7 +111,7 @@ def _show_properties(console: Any, report: DesignReport) -> None:
         table.add_column(heading, justify="right" if heading == "margin" else "left")
     for p in report.properties:
         holds = "[green]yes[/green]" if p.holds else "[red]NO[/red]"
-        table.add_row(f"{p.title} ({p.property})", p.statement, holds, f"{p.margin:.3g}" if p.margin else "", p.where)
+        table.add_row(f"{p.title} ({p.property})", escape(p.statement), holds, f"{p.margin:.3g}" if p.margin else "", p.where)
     console.print(table)
     for proof in report.mission:
         _indented(console, f"mission {proof.entry}, {escape(describe_entry(proof))}")
@@ -253,7 +256,7 @@ def show_run(report: RunReport) -> None:
         tube += "; the task was met without a guarantee"
     console.print(f"  tube: {tube}; |e| up to {_numbers(run.e)}; |u| up to {_numbers(run.u)}")
     for line in report.proof_lines:
-        console.print(f"  beforehand: {line}")
+        console.print(f"  beforehand: {escape(line)}")
     for path in report.files:
         console.print(f"  {path}")
 
@@ -268,8 +271,8 @@ def _conditions(report: RunReport) -> list[str]:
         conditions.append(f"x measured to {s.noise:g}")
     if s.noise_v:
         conditions.append(f"v measured to {s.noise_v:g}")
-    if s.lag:
-        conditions.append(f"u through a lag of {format_time(s.lag)}")
+    if s.has_drives:
+        conditions.append(f"u through {written_drive(s.drives)}{', as bad as it may be' if s.is_adverse else ''}")
     if s.latency:
         conditions.append(f"u {format_time(s.latency)} late")
     if s.lost:
@@ -281,6 +284,26 @@ def _conditions(report: RunReport) -> list[str]:
 
 def _numbers(values: Sequence[float]) -> str:
     return ", ".join(f"{v:.4g}" if math.isfinite(v) else "beyond numbers" for v in values)
+
+
+def show_envelope(name: str, envelope: StepEnvelope) -> None:
+    """Print what a task may state of a drive by its recorded step, as lines of a task file, and what the record hides."""
+    before, after = envelope.command
+    step = f"{envelope.columns[1]} steps from {before:g} to {after:g} at {envelope.step_time:g} s"
+    gain = f"{envelope.columns[2]} settles at {envelope.gain:.4g} times that"
+    print(f"{name}: {envelope.samples} samples; {step}, {gain}")
+    print("  [control]")
+    print(f"  latency = {envelope.latency:g}  # of the drive; add the time from a sample to its command")
+    print("  [plant]")
+    print(f"  lag = {envelope.lag:g}")
+    if envelope.overshoot:
+        print(f"  overshoot = {envelope.overshoot:g}")
+    taken = f"every sample counts as {100 * envelope.noise:.2g} % of the step lower, for noise"
+    late = f"up to {format_time(2 * envelope.sample_time)} later, for the time between samples"
+    print(f"  {taken}, and {late}")
+    unseen = f"the last {100 * envelope.hidden:.2g} % of the step, and falls below {100 * envelope.smallest_fall:.2g} %"
+    print(f"  not seen: {unseen}; where your drive creeps or rings by more, state it in w_max or overshoot")
+    print("  holds for this step: record one as large as the controller may command, from -u_max to u_max, under load")
 
 
 def show_agreement(title: str, rows: Sequence[ComparisonRow]) -> None:

@@ -28,8 +28,8 @@ from stt_codegen.design.refusals import explain_refusal
 from stt_codegen.design.spline_tubes import MANY_OBSTACLES, SplineTube, TubeSearch, segment_counts_of, smoothest_tube
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.sampling import Gains, balancing_gain, condition_kinds_of, loop_of
-from stt_codegen.task import Task
+from stt_codegen.sampling import LIMIT_FACTORS, Gains, balancing_gain, condition_kinds_of, limits_for, loop_of
+from stt_codegen.task import Task, with_assumed_plant
 
 SPEED_CAPS = (2, 1, 4, 16)  # times the speed needed without bounds by component: the limits that are tried, in this order
 ADVICE_LABEL_LIMIT = 3_000  # labels of a search for an order of visits, for advice: it is made some dozens of times
@@ -171,6 +171,10 @@ def _longest_period(task: Task, design: RefinedDesign, allowance: Fraction) -> f
     whose error is not derived yet.
     """
     edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
+    task = with_assumed_plant(task, design.edge_speed_bounds())
+    if task.has_automatic_limit:
+        unlimited = loop_of(task.with_choices(u_max=(Fraction(1),) * task.dimension), design, edge, rate)
+        task = task.with_choices(u_max=limits_for(unlimited, LIMIT_FACTORS[0]))
     loop, kinds = loop_of(task, design, edge, rate), condition_kinds_of(task)
     if task.control.gain is None or task.has_automatic_gain:
         best = Gains(loop, balancing_gain(loop), kinds=kinds).with_longest_period

@@ -12,7 +12,17 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.certify import Certificate, Finding, MissionProof, PeriodProof, SlackClaim, Stretch, claims_of, cuts_of
+from stt_codegen.certify import (
+    Certificate,
+    Finding,
+    MissionProof,
+    PathClaim,
+    PeriodProof,
+    SlackClaim,
+    Stretch,
+    claims_of,
+    cuts_of,
+)
 from stt_codegen.certify.missions import SLICES
 from stt_codegen.controller.integers import certified_constants
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
@@ -145,7 +155,13 @@ def _sampled(task: Task, proof: PeriodProof) -> dict[str, Any]:
         "rho": [str(v) for v in proof.rho],
         "u": [str(Fraction(str(above(v)))) for v in proof.u],
         "shift": [str(v) for v in proof.shift],
+        **({"path": [_path(path) for path in proof.paths]} if proof.paths else {}),
     }
+
+
+def _path(path: PathClaim) -> dict[str, Any]:
+    """Return Q_pk, the distance to which no path of a component comes nearer, and A in seconds; null where one path is enough."""
+    return {"nearest": str(Fraction(str(below(path.nearest)))), "history": None if path.history is None else str(path.history)}
 
 
 # ------------------------------------------------------------------------------------------------ decimals

@@ -21,6 +21,8 @@ from stt_codegen.lemmas.sampling import (
     sampled_exact,
     sampled_windows,
     saturated,
+    worst_path_evaluated,
+    worst_path_theorem,
 )
 from stt_codegen.lemmas.sets import moving_bounds, shape_supports, task_constraints
 from stt_codegen.lemmas.tube import filtered_tube, inertial_inputs, input_limits, spline_edges
@@ -46,6 +48,7 @@ FAMILIES = {
             *sampled_exact.LEMMAS,
         ),
     ),
+    "path": ("Late inputs: the worst path", (*worst_path_theorem.LEMMAS, *worst_path_evaluated.LEMMAS)),
     "rows": ("Rows, and what the certificate reads off them", task_constraints.LEMMAS),
     "limits": ("Limits on u", (*input_limits.LEMMAS, *saturated.LEMMAS)),
     "filtered": ("Plants of order 2", (*filtered_tube.LEMMAS, *inertial_inputs.LEMMAS)),

@@ -7,21 +7,19 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from stt_codegen.decimals import by_component
 from stt_codegen.errors import BadInput
+from stt_codegen.loop.foretold import describe_proof, drives_of
 from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import Loop, Run, Scenario, scenario_of_task
 from stt_codegen.loop.traces import trace_csv
 from stt_codegen.pipeline import EmittedController, build_program, certify, render_files
 from stt_codegen.plants import Model, Plant, plant_of
 from stt_codegen.record import write_files
-from stt_codegen.report import Analysis, round_down, round_up
-from stt_codegen.sampling import choose_proved_gain, prove_for_period
-from stt_codegen.task import Task
+from stt_codegen.report import Analysis
+from stt_codegen.sampling import choose_proved_gain
+from stt_codegen.task import DriveBounds, Task
 
 BOUNDS = "bounds"  # the name that --plant gives `corner_plants`
 
@@ -30,8 +28,9 @@ BOUNDS = "bounds"  # the name that --plant gives `corner_plants`
 class Request:
     """The options of `simulate`; None stands for the value of the task or the plant. `Scenario` has the other fields:
 
-    plant: a name, a file, or "bounds" for the worst of the plants at the corners of [plant]. start: numbers with commas between
-    them. gain: a number, or "best". axes: pairs of dimensions to draw in, by name with a comma between them.
+    plant: a name, a file, or "bounds" for the worst of the plants at the corners of [plant], with the worst drives. lag: seconds
+    of one first-order lag in all components, in place of the task's drives. start: numbers with commas between them.
+    gain: a number, or "best". axes: pairs of dimensions to draw in, by name with a comma between them.
     """
 
     plant: str = "integrator"
@@ -41,7 +40,7 @@ class Request:
     noise: float | None = None
     lost: int = 0
     latency: float | None = None
-    lag: float = 0.0
+    lag: float | None = None
     start: str | None = None
     seed: int = 0
     gain: str | None = None
@@ -50,12 +49,13 @@ class Request:
 
     def scenario(self, task: Task, plant: Model) -> Scenario:
         """Return the scenario of the run. Raises `BadInput` for an option that is not allowed, or a disturbance of size 0."""
-        options = {"rate": self.rate, "noise": self.noise, "latency": self.latency}
+        drives = None if self.lag is None else drives_of(self.lag, task)
+        options = {"rate": self.rate, "noise": self.noise, "latency": self.latency, "drives": drives}
         conditions = scenario_of_task(task) | {name: value for name, value in options.items() if value is not None}
         strength = self.w_max if self.w_max is not None else float(plant.w_max or task.disturbance_bound)
         scenario = Scenario(
             disturbance=self.disturbance, strength=strength, seed=self.seed, lost=self.lost, clock=self.clock,
-            lag=self.lag, **conditions,
+            **conditions,
         )  # fmt: skip
         if self.w_max and self.disturbance == "none":
             raise BadInput(f"--w-max {self.w_max:g}: of which disturbance? give --disturbance, for example nearest")
@@ -102,7 +102,7 @@ class RunReport:
             "noise": s.noise,
             "lost": s.lost,
             "latency": s.latency,
-            **({"lag": s.lag} if s.lag else {}),
+            **({"drives": [_drive_document(bounds) for bounds in s.drives]} if s.has_drives else {}),
             **({"clock": s.clock} if any(c is not None for c in self.controller.task.courses) else {}),
             "seed": s.seed,
             "fulfilled": self.run.good,
@@ -126,8 +126,12 @@ def simulate(controller: EmittedController, request: Request, out: Path | None) 
     if request.gain is not None:
         analysis = Analysis(controller, plant, scenario.noise, scenario.latency)
         controller = with_gain(controller, _gain(request.gain, analysis, scenario.age))
-    runs = [(model.name, Loop(controller, model).run(scenario, trace=out is not None)) for model in models]
-    name, run = min(runs, key=lambda named_run: (named_run[1].good, named_run[1].margin))
+    runs = [
+        AttackedRun(model.name, attack, Loop(controller, model).run(attack, trace=out is not None))
+        for model in models
+        for attack in _attacks(request, scenario)
+    ]
+    name, scenario, run = min(runs, key=lambda attacked: (attacked.run.good, attacked.run.margin))
     written = () if out is None else tuple(write_run(controller, run, out, request.axes, scenario.clock))
     return RunReport(
         controller=controller,
@@ -137,6 +141,28 @@ def simulate(controller: EmittedController, request: Request, out: Path | None) 
         proof_lines=tuple(describe_proof(controller, plant, scenario)),
         files=written,
     )
+
+
+class AttackedRun(NamedTuple):
+    """A run with the name of its plant and its scenario."""
+
+    plant: str
+    scenario: Scenario
+    run: Run
+
+
+def _attacks(request: Request, scenario: Scenario) -> tuple[Scenario, ...]:
+    """Return the scenarios that are run: of --plant bounds, the worst drives, pushed outward and along their motion."""
+    if request.plant != BOUNDS:
+        return (scenario,)
+    adverse = replace(scenario, is_adverse=True)
+    is_chosen = request.disturbance != "none" or not scenario.has_drives
+    return (adverse,) if is_chosen else (replace(adverse, disturbance="outward"), replace(adverse, disturbance="motion"))
+
+
+def _drive_document(bounds: DriveBounds) -> dict[str, float | None]:
+    """Return a drive as JSON data."""
+    return {name: None if value is None else float(value) for name, value in asdict(bounds).items()}
 
 
 def _scenario_of(request: Request, task: Task, model: Model) -> Scenario:
@@ -216,60 +242,6 @@ def _numbers(text: str | None) -> tuple[float, ...] | None:
         return tuple(float(v) for v in text.split(","))
     except ValueError:
         raise BadInput(f"--start {text}: numbers with commas between them are needed, for example 0.25,0.25") from None
-
-
-def describe_proof(controller: EmittedController, plant: Model | None, scenario: Scenario) -> list[str]:
-    """Return what `prove TASK` says of this loop before it is run; plant None: the bounds of [plant].
-
-    The last line says whether the loop is proved; a line before it names what the proof does not cover.
-    """
-    task = controller.task
-    start = [float(v) for v in (task.initial_state if scenario.start is None else scenario.start)]
-    problem = _problem_outside_theory(controller, scenario, start)
-    if problem is not None:
-        return [problem]
-    analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)
-    lines = [f"not shown: {h.statement}" for h in analysis.hypotheses() if not h.holds]
-    low, high = analysis.windows.start.T
-    errors = np.abs((2 * np.array(start[: task.dimension]) - low - high) / (high - low))
-    if (errors >= analysis.sampled_loop.law.e_max).any():
-        i = int(np.argmax(errors))
-        position = f"the start has |e| = {float(errors[i]):.4g} in {task.axis_words[i]}, not below e_max"
-        lines.append(f"{position}: sampled, nothing is proved from there")
-    return [*lines, _period_line(analysis, scenario)]
-
-
-def _problem_outside_theory(controller: EmittedController, scenario: Scenario, start: Sequence[float]) -> str | None:
-    """Return why no sampling condition is about this loop at all; None where one may be."""
-    task = controller.task
-    if not controller.certificate.tube_holds:
-        return "the tube is not certified: nothing is proved"
-    if scenario.lag:
-        return f"not proved: u acts through a lag of {scenario.lag:g} s, which no statement here allows for"
-    if task.uses_differences and any(start[task.dimension :]):
-        return "not proved: a velocity by differences is 0 at the first sample, so starts are at rest"
-    if task.uses_differences and scenario.rate > (1 + 1e-9) / float(task.shortest_period):
-        return f"not proved: samples are nearer than control.period_min = {float(task.shortest_period):g} s"
-    return None
-
-
-def _period_line(analysis: Analysis, scenario: Scenario) -> str:
-    """Return whether the proved period covers the age that samples get in this scenario."""
-    age, period = scenario.age, analysis.period
-    if period is None:
-        gain = by_component(analysis.controller.task.gain)
-        return f"no sampling period is proved for gain {gain}, this plant and start"
-    at_this_age = prove_for_period("sharp", analysis.sampled_loop, age) or period
-    error_bounds = f"|e| stays below {', '.join(f'{round_up(v):g}' for v in at_this_age.e)}"
-    proved_age, scenario_age = f"{1e3 * round_down(period.seconds):.4g} ms", f"{1e3 * age:.9g} ms"
-    if 1 / scenario.rate < analysis.shortest:
-        shortest = f"{1e3 * round_up(analysis.shortest):.4g} ms"
-        return f"not proved: alpha may not be stepped more often than every {shortest}"
-    if age <= period.seconds:
-        return (
-            f"proved from this start: {error_bounds}, with samples up to {scenario_age} old; the tube is kept up to {proved_age}"
-        )
-    return f"not proved: samples get {scenario_age} old here, up to {proved_age} are proved from this start"
 
 
 def write_run(

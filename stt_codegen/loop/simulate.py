@@ -27,13 +27,14 @@ from stt_codegen.loop.judged_sets import JudgedSets
 from stt_codegen.loop.mission import unsatisfied_entries
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
-from stt_codegen.task import Task
+from stt_codegen.task import DriveBounds, Task
 
 Array = npt.NDArray[Any]
-DISTURBANCES = ("none", "constant", "sinusoidal", "random", "nearest", "outward")
+DISTURBANCES = ("none", "constant", "sinusoidal", "random", "nearest", "outward", "motion")
 CLOCKS = ("stated", "early", "late", "worst")  # errors of the clock by which sets move; see `Scenario`
 MAX_STEP = 0.001  # seconds, of the integrator
 MIN_STEPS_PER_PERIOD = 4
+STEPS_IN_A_LAG = 10  # of the integrator, from which on the error of a step is negligible
 MAX_SAMPLES = 10_000_000  # of a run
 TICK_ROUNDING = 1e-6  # of a tick: the error that a period from a rate in decimals may have
 MAX_EXTENSIONS = 8  # of a run whose tube waits
@@ -49,8 +50,11 @@ class Scenario:
     strength: bound on |w|. shares: ratios, at most 1: |w_i| <= shares[i] strength; empty: all are 1.
     noise, noise_v: bounds on the error of every measured component of x and v.
     lost: samples that may be lost in a row.
-    latency: seconds from a sample to its input. lag: time constant, in seconds, of a drive: the plant's input follows u by a
-        first-order lag; 0: it is u.
+    latency: seconds from a sample to its input; the first u acts at once, unless is_adverse.
+    drives: by component, how the plant's input follows u, from rest: by a limited rate and then two first-order lags; empty: it
+        is u. Nothing overshoots, unless is_adverse.
+    is_adverse: drives are the worst of their bounds: at once where that helps the disturbance "outward" or "motion" (others count
+        as outward), late elsewhere, and commands of the opposite sign act with the weight of the overshoot.
     start: x(0), of order 2 with v(0) behind it or at rest; None: the task's.
     clock: the error of the clock by which sets move. stated: none. early: it is behind the controller's by `timing`. late: it
         is ahead by `timing` and start_delay. worst: nine errors from early to late are tried for every set at every time; a
@@ -67,7 +71,8 @@ class Scenario:
     latency: float = 0.0
     clock: str = "stated"
     noise_v: float = 0.0
-    lag: float = 0.0
+    drives: tuple[DriveBounds, ...] = ()
+    is_adverse: bool = False
     shares: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
@@ -97,9 +102,14 @@ class Scenario:
             ("--w-max", self.strength),
             ("--noise", self.noise),
             ("--latency", self.latency),
-            ("--lag", self.lag),
+            *(("--lag", float(bounds.lag)) for bounds in self.drives),
             ("noise_v", self.noise_v),
         )
+
+    @property
+    def has_drives(self) -> bool:
+        """Whether something acts later or otherwise than it is commanded."""
+        return not all(bounds.acts_at_once for bounds in self.drives)
 
     @property
     def age(self) -> float:
@@ -202,6 +212,7 @@ class Loop:
         period = 1 / scenario.rate
         samples = self._sample_count(end, scenario.rate)
         shares = np.array(scenario.shares or (1.0,) * task.dimension)
+        drives = _drive_table(scenario)
         setting = LoopSetting(
             n=task.dimension,
             sets=len(sets.names),
@@ -210,7 +221,7 @@ class Loop:
             integration_steps=self._steps_per_period(period),
             disturbance_kind=DISTURBANCES.index(scenario.disturbance),
             max_lost_samples=scenario.lost,
-            has_constant_dynamics=self.has_constant_dynamics and not scenario.lag,
+            has_constant_dynamics=self.has_constant_dynamics and _passes_in_single_steps(scenario, period),
             seed=scenario.seed,
             period=period,
             end=end,
@@ -220,7 +231,8 @@ class Loop:
             filter=self.filter.ctypes.data,
             plant_constants=constants.ctypes.data,
             w_ratios=shares.ctypes.data,
-            drive_time_constant=scenario.lag,
+            drives=drives.ctypes.data if scenario.has_drives else None,
+            is_adverse=scenario.is_adverse,
             latency=scenario.latency,
             start=start.ctypes.data,
             space_face_count=len(sets.space_faces),
@@ -290,6 +302,25 @@ class Loop:
         )
 
 
+def _passes_in_single_steps(scenario: Scenario, period: float) -> bool:
+    """Return whether steps need no control of their error, for a plant whose f and g are constant.
+
+    Adverse drives jump between steps. Their lags are then precise to 1e-7 of u where they are long beside a step.
+    """
+    if not scenario.has_drives:
+        return True
+    shortest = min((float(lag) for bounds in scenario.drives for lag in (bounds.lag, bounds.lag2) if lag), default=math.inf)
+    return scenario.is_adverse and shortest >= STEPS_IN_A_LAG * min(MAX_STEP, period / MIN_STEPS_PER_PERIOD)
+
+
+def _drive_table(scenario: Scenario) -> Array:
+    """Return the drives as loop.h has them, (n, 4); only adverse ones overshoot."""
+    return np.array(
+        [(b.lag, b.lag2, b.slew or 0, b.overshoot / (1 - b.overshoot) if scenario.is_adverse else 0) for b in scenario.drives],
+        dtype=float,
+    )
+
+
 def _draw_constants(plant: Model, seed: int) -> Array:
     """Draw the plant's constants for a run: for an even seed each is an end of its range, for an odd one any value of it."""
     low, high = np.array(plant.constants).reshape(-1, 2).T
@@ -299,12 +330,13 @@ def _draw_constants(plant: Model, seed: int) -> Array:
 
 
 def scenario_of_task(task: Task) -> dict[str, Any]:
-    """Return the conditions that a task states, by their names in `Scenario`: rate, noise, noise_v, latency."""
+    """Return the conditions that a task states, by their names in `Scenario`: rate, noise, noise_v, latency, drives."""
     return {
         "rate": float(1 / task.sampling_period),
         "noise": float(task.plant.noise or 0),
         "noise_v": float(task.plant.noise_v or 0),
         "latency": float(task.control.latency),
+        "drives": task.drive_bounds,
     }
 
 

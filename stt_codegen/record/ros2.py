@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from stt_codegen.certify.missions import cycle_of
+from stt_codegen.certify.sampled import drive_words
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.emit import Files, design_hash, driven_sources, extra_files, file_names
@@ -127,6 +128,13 @@ def _period_and_latency(task: Task) -> tuple[Fraction, Fraction]:
     return task.control.period or task.emit.tick_period or DEFAULT_PERIOD, task.control.latency or Fraction(0)
 
 
+def _drive_delay(task: Task, u_max: tuple[Fraction, ...] | None) -> float:
+    """Return the delay of the slowest drive in seconds; of one with a limited rate, the time from -u_max to u_max."""
+    limits = u_max or (Fraction(0),) * task.dimension
+    delays = (b.lag + b.lag2 + (2 * u / b.slew if b.slew else 0) for b, u in zip(task.drive_bounds, limits, strict=True))
+    return float(max(delays))
+
+
 def _limits_for_templates(controller: EmittedController) -> dict[str, Any]:
     """Return where the robot may start, at which speed, and the limits of u, as literals of Python."""
     task, proved = controller.task, controller.certificate.proved_period
@@ -141,9 +149,10 @@ def _limits_for_templates(controller: EmittedController) -> dict[str, Any]:
         "starts": repr([(float(middle - half), float(middle + half)) for middle, half in starts]),
         "speeds": repr(speeds),
         "stands": not any(task.start_speed),
+        "drives": "; ".join(drive_words(task)) if task.has_drive else "",
         "most": [float(v) for v in u_max] if u_max else f"[math.inf] * {task.dimension}",
-        # So weak that u = -brake v, held for a period and delayed by the latency, does not reverse v whatever g is.
-        "brake": f"{0.25 / (g_max * float(sum(_period_and_latency(task)))):.3g}",
+        # So weak that u = -brake v, held for a period and delayed by latency and drive, does not reverse v whatever g is.
+        "brake": f"{0.25 / (g_max * (float(sum(_period_and_latency(task))) + _drive_delay(task, u_max))):.3g}",
     }
 
 

@@ -2,7 +2,14 @@
 
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import BoundsReport, SamplingReport, round_down, round_up
-from stt_codegen.report.figures import DesignReport, TradeReport, design_report, input_report, trade_report
+from stt_codegen.report.figures import (
+    DesignReport,
+    TradeReport,
+    control_notes,
+    design_report,
+    input_report,
+    trade_report,
+)
 from stt_codegen.report.notes import task_notes
 from stt_codegen.report.outlines import Plane, outline
 from stt_codegen.report.sentences import format_numbers, format_time, sampling_lines
@@ -14,6 +21,7 @@ __all__ = [
     "Plane",
     "SamplingReport",
     "TradeReport",
+    "control_notes",
     "design_report",
     "format_numbers",
     "format_time",

@@ -22,6 +22,7 @@ from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_d
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
+from stt_codegen.properties import Property
 from stt_codegen.report.bounds import UpdateFunctionBounds, round_down, round_up
 from stt_codegen.report.plant_table import uncovered_bounds
 from stt_codegen.sampling import (
@@ -140,6 +141,8 @@ class LoopAnalysis:
         """The name of the plant, for messages."""
         if self.plant is not None:
             return self.plant.name
+        if self.controller.task.assumes_plant:
+            return "the plant that is assumed"
         if self.controller.task.plant.is_stated:
             return "[plant] of the task"
         return "xdot = u" if self.controller.task.gain[0] > 0 else "xdot = -u"
@@ -181,11 +184,15 @@ class LoopAnalysis:
             assumptions.append(
                 f"samples are at least {decimal(task.shortest_period)} s apart, and their distance is measured exactly"
             )
+        if task.has_drive:
+            assumptions.append(
+                f"periods and gains here are for a drive that acts at once; {Property.PERIOD.label} has the task's"
+            )
         if self.state_is_outside:
             assumptions.append(
                 "the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows"
             )
-        if self.plant is None and task.plant.is_stated:
+        if self.plant is None and task.plant.is_stated and not task.assumes_plant:
             if task.plant.g_cross is None and task.dimension > 1:
                 assumptions.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
             if task.plant.g_min is None:

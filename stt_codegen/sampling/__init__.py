@@ -2,15 +2,18 @@
 
 from stt_codegen.sampling.continuous import continuous_input_bound, epsilon_star, epsilon_star_norm, holds_saturated, holds_scaled
 from stt_codegen.sampling.gains import (
+    LIMIT_FACTORS,
     WORTHWHILE_PERIOD_RATIO,
     GainChoice,
     Gains,
     balancing_gain,
     choose_proved_gain,
+    limits_for,
     longest_proved_period_from,
+    needed_input,
     rounded_gain,
 )
-from stt_codegen.sampling.loops import condition_kinds_of, exact_loop, loop_of, start_bound_of_task
+from stt_codegen.sampling.loops import condition_kinds_of, exact_loop, loop_of, path_loop_of, start_bound_of_task
 from stt_codegen.sampling.numbers import FRACTIONS, Fractions
 from stt_codegen.sampling.order_two import (
     KNOWN_AGE_FACTOR,
@@ -46,6 +49,7 @@ from stt_codegen.sampling.windows import Windows, extremes, refined_windows
 __all__ = [
     "FRACTIONS",
     "KNOWN_AGE_FACTOR",
+    "LIMIT_FACTORS",
     "ROUNDING",
     "SAMPLING_CONDITIONS",
     "WORTHWHILE_PERIOD_RATIO",
@@ -80,11 +84,15 @@ __all__ = [
     "inertial_start_bound",
     "inputs_where_proved",
     "law_of",
+    "limits_for",
     "longest_proved_period",
     "longest_proved_period_from",
     "loop_of",
     "measured_distances",
     "minimum_eigenvalue",
+    "needed_input",
+    "path",
+    "path_loop_of",
     "prove_for_period",
     "refined_windows",
     "rounded_gain",

@@ -42,6 +42,9 @@ UNBOUNDED = math.inf
 WORTHWHILE_PERIOD_RATIO = 1.2  # a limit on u is suggested where it allows a period longer by this factor
 INPUT_MARGIN_FACTOR = 1.1  # times the input that is needed, where a limit on u is suggested
 GAIN_DIGITS = 3  # of a suggested gain
+LIMIT_FACTORS = tuple(Fraction(v) for v in ("1.5", "1.8", "2.2", "2.7"))  # times the needed input, of a limit that is chosen
+LIMIT_DIGITS = 3
+SMALLEST_INPUT_SHARE = 0.02  # of the largest needed input: what a component has that nothing moves
 
 
 def longest_proved_period_from(shortest_period: float, kind: str, loop: SampledLoop) -> Period | None:
@@ -68,6 +71,18 @@ def needed_input(loop: SampledLoop) -> Array:
         except np.linalg.LinAlgError:
             coupled = uncoupled
     return np.asarray(np.where((coupled >= uncoupled).all(axis=1, keepdims=True), coupled, uncoupled).max(axis=0))
+
+
+def limits_for(loop: SampledLoop, factor: Fraction) -> tuple[Fraction, ...]:
+    """Return the limit of |u| by component: `factor` times the needed input, rounded up. loop: in doubles, its u_max is not read.
+
+    A component that nothing moves has a small part of the others' input; where nothing moves at all, enough to cross the tube in
+    its time.
+    """
+    needed = needed_input(loop)
+    crossing_speed = loop.windows.wide.max(axis=0) / loop.windows.times[-1]
+    floor = needed.max() * SMALLEST_INPUT_SHARE if needed.any() else crossing_speed
+    return tuple(Fraction(str(above(factor * Fraction(v), LIMIT_DIGITS))) for v in np.maximum(needed, floor).tolist())
 
 
 def balancing_gain(loop: SampledLoop) -> Array:

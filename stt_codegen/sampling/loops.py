@@ -20,6 +20,7 @@ from stt_codegen.sampling.order_two import (
     inertial_loop,
     inertial_start_bound,
 )
+from stt_codegen.sampling.path import Drive, PathLoop
 from stt_codegen.sampling.plant import Bounds, bounds_of_task
 from stt_codegen.sampling.sampled_loop import (
     SampledLoop,
@@ -87,6 +88,12 @@ def exact_loop(
     plant = [bounds_of_task(task, FRACTIONS)] * len(windows.narrow)
     start_bound = start_bound_of_share(task.initial_set.share, task.dimension, FRACTIONS)
     return first_order_loop(windows, plant, law_of(task, edge_error, noise, latency, FRACTIONS), start_bound)
+
+
+def path_loop_of(task: Task, design: RefinedDesign, loop: SampledLoop) -> PathLoop:
+    """Return the loop as the worst path reads it, with the task's period and drives; loop: from `exact_loop`."""
+    drives, filter_rates = [Drive.of(bounds) for bounds in task.drive_bounds], design.filter if task.order == 2 else ()
+    return PathLoop.of(loop, drives, task.sampling_period, filter_rates, design.seam)
 
 
 def _inertial_loop_of(

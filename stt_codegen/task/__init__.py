@@ -3,16 +3,19 @@
 Large because the task format is here with all its checks: sets, missions, maps, rooms, axes that close.
 """
 
+from stt_codegen.task.assumed_plant import with_assumed_plant
 from stt_codegen.task.closed_axes import SET_TURNS_LIMIT, TWO_PI, ClosedAxis
 from stt_codegen.task.demands import require_offered
 from stt_codegen.task.keys import task_keys
 from stt_codegen.task.load import json_schema, load_task, parse_task
+from stt_codegen.task.schema import DriveBounds
 from stt_codegen.task.task import Task
 
 __all__ = [
     "SET_TURNS_LIMIT",
     "TWO_PI",
     "ClosedAxis",
+    "DriveBounds",
     "Task",
     "json_schema",
     "load_task",
@@ -22,4 +25,5 @@ __all__ = [
     "require_offered",
     "sets",
     "task_keys",
+    "with_assumed_plant",
 ]  # fmt: skip

@@ -32,7 +32,7 @@ def _has_other_shapes(task: TaskTables) -> bool:
 def _limits_input(task: TaskTables) -> bool:
     """Whether u is limited and must outdo the plant bounds, in continuous time."""
     is_bounded = any(getattr(task.plant, name) is not None for name in PLANT_BOUNDS)
-    return task.control.u_max is not None and task.control.period is None and is_bounded
+    return task.u_max is not None and task.control.period is None and is_bounded
 
 
 DEMANDS: Mapping[str, Demand] = {  # by the capability, a field of `Capabilities`

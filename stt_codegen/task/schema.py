@@ -49,11 +49,13 @@ from stt_codegen.task.values import (
     GainOrAuto,
     Labels,
     NotNegative,
+    Number,
     PerComponent,
     PerComponentOrAuto,
     PeriodOfAxis,
     Positive,
     Vector,
+    at_least_one,
     below_one,
     read_integer,
 )
@@ -62,6 +64,7 @@ Scalar = Literal["float", "double", "fixed"]
 Preference = Literal["balanced", "slow", "wide", "period"]
 Outside = Literal["return", "hold", "stop"]
 PLANT_BOUNDS = ("f_max", "w_max", "g_min", "g_max", "g_cross")  # keys of [plant] that are one number, or one for each component
+DRIVE_BOUNDS = ("lag", "lag2", "slew", "overshoot")  # keys of [plant] about what acts of u, one number or one for each component
 EmitOptionsType = TypeVar("EmitOptionsType", bound=TomlTable)
 
 
@@ -134,13 +137,24 @@ class ControlOptions(TomlTable):
 
     gain: GainOrAuto | None = Field(
         default=None,
-        description='k, or one for each component; negative where g_s is negative definite (Remark 4.2); "auto": largest margin '
-        'at control.period; absent: 0.5, or "auto" with a period',
+        description='k, or one for each component; negative where g_s is negative definite (Remark 4.2); "auto": the gentlest '
+        'that is proved for control.period with a reserve; "tight": the one that keeps |e| smallest; absent: 0.5, or "auto" with '
+        "a period",
+    )
+    rest: Annotated[Positive, AfterValidator(below_one)] | None = Field(
+        default=None, description='gain "auto": the |e| within which a steady disturbance rests; absent: 0.7'
+    )
+    reserve: Annotated[Number, AfterValidator(at_least_one)] | None = Field(
+        default=None, description='gain and u_max "auto": times plant.f_max and w_max for which they are proved; absent: 1.5'
     )
     e_max: PerComponent = Field(
         default=Fraction(99, 100), description="clamp of the normalized error, in (0, 1), or one for each component"
     )
-    u_max: PerComponent | None = Field(default=None, description="saturation of the emitted u, or one bound for each component")
+    u_max: PerComponentOrAuto | None = Field(
+        default=None,
+        description='saturation of the emitted u, or one bound for each component; "auto": 1.5 times what is needed, or more '
+        'with a lag; absent: none, or "auto" with a period',
+    )
     saturate: Literal["clip", "scale"] = Field(
         default="clip", description="how u_max limits u: each component, or all of u by one factor, for g that couples"
     )
@@ -177,7 +191,10 @@ class EmitOptions(TomlTable):
 
 
 class PlantBounds(TomlTable):
-    """Bounds on the plant for the effort and sampling statements; the controller itself needs none of them."""
+    """Bounds on the plant for the effort and sampling statements; the controller itself needs none of them.
+
+    With control.period, order 1 and no bound stated, a plant is assumed: `Task.assumes_plant`.
+    """
 
     order: Annotated[int, BeforeValidator(read_integer)] = Field(
         default=1, ge=1, le=2, description="1: u makes speeds; 2: accelerations, and the bounds here are of these"
@@ -193,15 +210,29 @@ class PlantBounds(TomlTable):
     g_cross: PerComponent | None = Field(
         default=None, description="bound on every |g_ij|, i not j, or one for each row i; absent: 0, no coupling"
     )
+    lag: PerComponent | None = Field(
+        default=None, description="seconds: what acts of u is never behind a first-order lag of so long; absent: u acts at once"
+    )
+    lag2: PerComponent | None = Field(default=None, description="seconds: a second lag in series, of a filter or a bus")
+    slew: PerComponent | None = Field(
+        default=None, description="units of u a second: the rate at which what acts follows u at least; absent: at once"
+    )
+    overshoot: PerComponent | None = Field(
+        default=None, description="share of a step of u by which what acts overshoots at most, in [0, 1); absent: 0"
+    )
     noise: NotNegative | None = Field(default=None, description="bound on the error of every measured x_i; absent: 0")
     noise_v: NotNegative | None = Field(
         default=None, description="bound on the error of every measured v_i, for order 2; absent: 0"
     )
+    exact: StrictBool = Field(
+        default=False, description="the plant is x' = u and no other: f = w = 0, g = 1; else control.period assumes a plant"
+    )
 
     @property
     def bounds(self) -> dict[str, Fraction | tuple[Fraction, ...] | None]:
-        """The bounds by their keys, None where the task has none; `noise_v` only for plants of order 2."""
-        names = (*PLANT_BOUNDS, "noise", *(("noise_v",) if self.order == 2 else ()))
+        """The bounds by their keys, None where the task has none; `noise_v` only for order 2, a drive's only where stated."""
+        stated = tuple(name for name in DRIVE_BOUNDS if getattr(self, name) is not None)
+        names = (*PLANT_BOUNDS, "noise", *(("noise_v",) if self.order == 2 else ()), *stated)
         return {name: getattr(self, name) for name in names}
 
     @property
@@ -218,6 +249,26 @@ class ComponentBounds:
     g_min: Fraction
     g_max: Fraction
     cross: Fraction
+
+
+@dataclass(frozen=True)
+class DriveBounds:
+    """What [plant] states about the drive of component i; 0 stands for no lag and no overshoot, None for no limit of the rate."""
+
+    lag: Fraction
+    lag2: Fraction
+    slew: Fraction | None
+    overshoot: Fraction
+
+    @property
+    def acts_at_once(self) -> bool:
+        """Whether what acts is what is commanded."""
+        return not (self.lag or self.lag2 or self.overshoot) and self.slew is None
+
+    @property
+    def amplification(self) -> Fraction:
+        """The largest |y|/|u|, y being what acts: 1 + 2 (M + M^2 + ..) for an overshoot by the share M."""
+        return 1 + 2 * self.overshoot / (1 - self.overshoot)
 
 
 def _named(sets: tuple[AnyUnsafe, ...]) -> tuple[AnyUnsafe, ...]:
@@ -290,9 +341,25 @@ class TaskTables(TomlTable):
 
     @property
     def has_automatic_gain(self) -> bool:
-        """Whether the pipeline has to choose the gain: it is "auto", or absent beside a period."""
+        """Whether the pipeline has to choose the gain: it is "auto" or "tight", or absent beside a period."""
         gain = self.control.gain
-        return gain == "auto" or (gain is None and self.control.period is not None)
+        return isinstance(gain, str) or (gain is None and self.control.period is not None)
+
+    @property
+    def has_automatic_limit(self) -> bool:
+        """Whether the pipeline has to choose u_max: it is "auto", or absent beside a period."""
+        u_max = self.control.u_max
+        return isinstance(u_max, str) or (u_max is None and self.control.period is not None)
+
+    @property
+    def resting_error(self) -> Fraction:
+        """The |e| within which a steady disturbance rests at a gain that is chosen."""
+        return self.control.rest or Fraction(7, 10)
+
+    @property
+    def reserve(self) -> Fraction:
+        """The factor of f_max and w_max for which a gain and a limit of u are chosen."""
+        return self.control.reserve or Fraction(3, 2)
 
     @property
     def gain(self) -> tuple[Fraction, ...]:
@@ -307,8 +374,9 @@ class TaskTables(TomlTable):
 
     @property
     def u_max(self) -> tuple[Fraction, ...] | None:
-        """The saturation of u by component; None for none."""
-        return None if self.control.u_max is None else self._per_component(self.control.u_max)
+        """The saturation of u by component; None for none, and while it is not chosen."""
+        u_max = self.control.u_max
+        return None if u_max is None or isinstance(u_max, str) else self._per_component(u_max)
 
     @property
     def emitted_u_max(self) -> tuple[Fraction, ...] | None:
@@ -332,13 +400,35 @@ class TaskTables(TomlTable):
             bounds.append(ComponentBounds(force[i] + disturbance[i], g_min, g_max, cross[i]))
         return tuple(bounds)
 
+    @property
+    def drive_bounds(self) -> tuple[DriveBounds, ...]:
+        """What is stated about the drive of each component."""
+        plant, zero = self.plant, Fraction(0)
+        lag, lag2, overshoot = (self._per_component(v or zero) for v in (plant.lag, plant.lag2, plant.overshoot))
+        slew = (None,) * self.dimension if plant.slew is None else self._per_component(plant.slew)
+        return tuple(DriveBounds(*values) for values in zip(lag, lag2, slew, overshoot, strict=True))
+
+    @property
+    def has_drive(self) -> bool:
+        """Whether what acts of u may differ from what is commanded."""
+        return not all(bounds.acts_at_once for bounds in self.drive_bounds)
+
+    @property
+    def has_late_input(self) -> bool:
+        """Whether an input may act later than its sample, or otherwise than it is commanded: by latency or by the drive."""
+        return self.control.latency > 0 or self.has_drive
+
     def coupling_of(self, inputs: Sequence[Fraction]) -> tuple[Fraction, ...]:
         """Return by component the sum over j != i of |g_ij| |u_j|, for |u_j| <= inputs_j: what the other inputs move it by."""
         total = sum(inputs, Fraction(0))
         return tuple(b.cross * (total - v) for b, v in zip(self.plant_bounds, inputs, strict=True))
 
     def largest_derivative(self, inputs: Sequence[Fraction]) -> tuple[Fraction, ...]:
-        """Return by component a bound on |f_i + w_i + sum_j g_ij u_j|, the derivative that u acts on, for |u_j| <= inputs_j."""
+        """Return by component a bound on |f_i + w_i + sum_j g_ij y_j|, the derivative that u acts on, for |u_j| <= inputs_j.
+
+        y is what acts of u, which a drive that overshoots makes larger.
+        """
+        inputs = [v * drive.amplification for v, drive in zip(inputs, self.drive_bounds, strict=True)]
         parts = zip(self.plant_bounds, inputs, self.coupling_of(inputs), strict=True)
         return tuple(b.force + b.g_max * u + coupling for b, u, coupling in parts)
 
@@ -361,9 +451,7 @@ class TaskTables(TomlTable):
     def requires_input_limits(self) -> bool:
         """Whether P8 must be proved: u is limited, the plant has bounds, and there is no period, whose proof demands more."""
         is_bounded = any(getattr(self.plant, name) is not None for name in PLANT_BOUNDS)
-        return (
-            self.control.u_max is not None and is_bounded and self.control.period is None and self.tube.capabilities.proves_limits
-        )
+        return self.u_max is not None and is_bounded and self.control.period is None and self.tube.capabilities.proves_limits
 
     @property
     def max_speed(self) -> tuple[Fraction, ...] | None:

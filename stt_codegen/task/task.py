@@ -20,7 +20,7 @@ from stt_codegen.errors import BadInput
 from stt_codegen.task.checks import explain, first_problem, structure_problem
 from stt_codegen.task.closed_axes import ClosedAxis, SetImage, expand_turns, turns_problem
 from stt_codegen.task.map import FloorPlan, expand_outline, name_walls
-from stt_codegen.task.schema import TaskTables
+from stt_codegen.task.schema import ControlOptions, PlantBounds, TaskTables
 from stt_codegen.task.sets import Unsafe
 from stt_codegen.task.values import ADD_IT
 
@@ -41,6 +41,7 @@ class Task(TaskTables):
     _floor_plan: FloorPlan | None = PrivateAttr(default=None)
     _with_outline: TaskTables | None = PrivateAttr(default=None)
     _as_stated: Task | None = PrivateAttr(default=None)
+    _before_choice: tuple[ControlOptions, PlantBounds] | None = PrivateAttr(default=None)
     _closed_axes: tuple[ClosedAxis, ...] = PrivateAttr(default=())
     _images: tuple[SetImage, ...] = PrivateAttr(default=())
 
@@ -167,14 +168,65 @@ class Task(TaskTables):
     def with_gain(self, gain: Sequence[Fraction]) -> Task:
         """Return the task, with the same digest, with this gain by component in place of its own."""
         value = gain[0] if len(set(gain)) == 1 else tuple(gain)
-        return self.model_copy(update={"control": self.control.model_copy(update={"gain": value})})
+        with_gain = self.model_copy(update={"control": self.control.model_copy(update={"gain": value})})
+        if self._before_choice is not None:
+            control, plant = self._before_choice
+            with_gain._before_choice = (control.model_copy(update={"gain": value}), plant)
+        return with_gain
+
+    def with_choices(
+        self,
+        *,
+        plant: PlantBounds | None = None,
+        u_max: Sequence[Fraction] | None = None,
+        gain: Sequence[Fraction] | None = None,
+    ) -> Task:
+        """Return the task, with the same digest, with what was chosen for its tube in place of what it leaves open.
+
+        plant: the bounds that are assumed. u_max, gain: by component. `changed` starts again from what the task states.
+        """
+        options = {name: tuple(v) for name, v in (("u_max", u_max), ("gain", gain)) if v is not None}
+        values = {name: v[0] if len(set(v)) == 1 else v for name, v in options.items()}
+        tables: dict[str, Any] = {"control": self.control.model_copy(update=values)} | ({"plant": plant} if plant else {})
+        chosen = self.model_copy(update=tables)
+        chosen._before_choice = self._before_choice or (self.control, self.plant)
+        return chosen
+
+    @property
+    def assumes_plant(self) -> bool:
+        """Whether the task has a period and says nothing of its plant of order 1, so that bounds are assumed."""
+        plant = self._as_stated.plant if self._as_stated is not None else self._stated_tables[1]
+        return self.control.period is not None and self.order == 1 and not plant.is_stated and not plant.exact
+
+    @property
+    def has_chosen_limit(self) -> bool:
+        """Whether u_max was chosen for the tube."""
+        stated = self._stated_tables[0].u_max
+        return self.u_max is not None and (stated is None or isinstance(stated, str))
+
+    @property
+    def has_gentle_gain(self) -> bool:
+        """Whether the gain was chosen for the tube as the gentlest with a reserve."""
+        stated, has_gain = self._stated_tables[0].gain, not self.has_automatic_gain
+        return has_gain and self.control.period is not None and stated in (None, "auto")
+
+    @property
+    def _stated_tables(self) -> tuple[ControlOptions, PlantBounds]:
+        """The tables [control] and [plant] as they were before anything was chosen."""
+        return self._before_choice or (self.control, self.plant)
 
     def changed(self, **values: Any) -> Task:
         """Return the task with other values for some fields, checked like a new task.
 
-        A dictionary changes the fields of a table that it names and leaves the others; None removes a field."""
+        A dictionary changes the fields of a table that it names and leaves the others; None removes a field. What was chosen for
+        a tube is open again."""
         source = self._with_outline or self.as_stated
         fields = {name: getattr(source, name) for name in source.model_fields_set}
+        if source is self and self._before_choice is not None:
+            control, plant = self._before_choice
+            for name, stated_table in (("control", control), ("plant", plant)):
+                fields.pop(name, None)
+                fields.update({name: stated_table} if stated_table.model_fields_set else {})
         for name, value in values.items():
             table = fields.get(name)
             if isinstance(value, dict) and isinstance(table, BaseModel):

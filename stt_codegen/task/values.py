@@ -27,6 +27,7 @@ MAX_NORMALS = 32  # half-spaces of a set
 MAX_TURNS = 200  # entries of a motion
 MAX_IMAGES = 64  # of an unsafe set, where axes close
 MAX_DIGITS = 40
+GAIN_RULES = ("auto", "tight")  # by which control.gain is chosen
 FILE = "file"  # key of pydantic's validation context, true where the values are from a file
 
 
@@ -117,6 +118,13 @@ def _not_negative(value: Fraction) -> Fraction:
     return value
 
 
+def at_least_one(value: Fraction) -> Fraction:
+    """Return the value, or raise `ValueError` where it is less than 1."""
+    if value < 1:
+        raise ValueError(f"is {decimal(value)}; it must be 1 or greater")
+    return value
+
+
 def below_one(value: Fraction) -> Fraction:
     """Return the value, or raise `ValueError` where it is not less than 1."""
     if value >= 1:
@@ -130,6 +138,11 @@ def _number_or_list(value: object) -> str:
         return "<auto>"
     is_list = isinstance(value, list | tuple) or (is_array(value) and getattr(value, "ndim", 1) != 0)
     return "<list>" if is_list else "<number>"
+
+
+def _gain_or_rule(value: object) -> str:
+    """Return the tag of the type as which a gain is read: a number, a list, or a rule by which it is chosen."""
+    return "<auto>" if isinstance(value, str) and value in GAIN_RULES else _number_or_list(value)
 
 
 Number = Annotated[
@@ -234,8 +247,8 @@ Window = Annotated[tuple[Number, ...], BeforeValidator(window)]
 Labels = Annotated[tuple[str, ...], BeforeValidator(labels)]
 GainVector = Annotated[tuple[Gain, ...], BeforeValidator(_vector)]
 GainOrAuto = Annotated[
-    Annotated[Gain, Tag("<number>")] | Annotated[GainVector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
-    Discriminator(_number_or_list),
+    Annotated[Gain, Tag("<number>")] | Annotated[GainVector, Tag("<list>")] | Annotated[Literal["auto", "tight"], Tag("<auto>")],
+    Discriminator(_gain_or_rule),
 ]
 
 

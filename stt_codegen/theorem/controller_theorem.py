@@ -101,7 +101,7 @@ UNREAD_KEYS = {
     "tube": "filter adaptive",
     "control": "velocity period_min",
     "emit": "",
-    "plant": "order noise_v",
+    "plant": "order noise_v lag lag2 slew overshoot",
 }
 
 

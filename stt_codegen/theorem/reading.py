@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -23,6 +24,7 @@ from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.properties import Property
 from stt_codegen.theorem.facts import Facts, SampledFacts
+from stt_codegen.theorem.hints import is_period_proved
 from stt_codegen.theorem.kernels import KernelText, read_kernels, read_spline_time
 from stt_codegen.theorem.unsafe_sets import sets_of, usable_normals
 
@@ -75,6 +77,9 @@ def uncovered_loop_feature(task: Task) -> str:
         "plant.order 2": task.order != 1,
         'saturate = "scale"': task.scales,
         "negative gains": task.gain is not None and min(task.gain) < 0,
+        "a drive of [plant]": bool(task.drive),
+        "a plant that is assumed": task.assumes_plant,
+        "a control.u_max that was chosen": task.leaves_limit,
     }
     return next((feature for feature, has_feature in features.items() if has_feature), "")
 
@@ -84,11 +89,18 @@ def read_facts(task: bytes, source: bytes, certificate: bytes) -> Facts:
     try:
         document = json.loads(certificate)
         numbers = read_task(task, document if isinstance(document, dict) else {})
-        return _facts(numbers, source, document)
+        return _without_loop_of_path(_facts(numbers, source, document), document)
     except (Refused, Unusable) as problem:
         raise Unread(str(problem)) from problem
     except (KeyError, TypeError, ValueError, ArithmeticError, AttributeError, IndexError, RecursionError) as problem:
         raise Unread(f"a file is not what it should be ({type(problem).__name__}: {problem})") from problem
+
+
+def _without_loop_of_path(facts: Facts, document: dict[str, Any]) -> Facts:
+    """Return the facts without a sampled loop where the certificate's period is proved by the worst path alone."""
+    if facts.sampling is None or "path" not in document["sampled"] or is_period_proved(facts, facts.sampling):
+        return facts
+    return replace(facts, sampling=None, uncovered_loop_feature="a period that only the worst path proves")
 
 
 def _facts(task: Task, source: bytes, document: dict[str, Any]) -> Facts:
@@ -147,7 +159,8 @@ def _gain_and_limits(
     for name, values in (("gain", gain), ("u_max", u_max)):
         if has_law and values is not None and not _has_values(source, f"{task.name}_{name}", values, bits):
             raise Unread(f"the C has another {name} than the certificate")
-    if (u_max is None) != (task.u_max is None) or any(a > b for a, b in zip(u_max or [], task.u_max or [], strict=True)):
+    limits = u_max if task.leaves_limit else task.u_max
+    if (u_max is None) != (limits is None) or any(a > b for a, b in zip(u_max or [], limits or [], strict=True)):
         raise Unread("the certificate's u_max is not the task's")
     return gain, u_max
 

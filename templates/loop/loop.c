@@ -17,6 +17,9 @@ typedef struct {
     double direction[MAX_DIMENSIONS]; /* unit vector, or the vector held over this period */
     double rate, phase;     /* of the sinusoid, rad/s and rad */
     double middle[STATE], half[STATE]; /* of the tube and the filtered tube, at the last judged time */
+    double e[MAX_DIMENSIONS], push[MAX_DIMENSIONS]; /* e_i at that time, and 1 or -1: where an adversary pushes component i */
+    double ramp_time, ramp[MAX_DIMENSIONS]; /* what a limited rate has made of u at a time */
+    double smallest_u[MAX_DIMENSIONS], largest_u[MAX_DIMENSIONS]; /* of all commands so far, with 0 before the first */
 } wind;
 
 static double uniform(uint64_t *state) /* splitmix64, to [0, 1) */
@@ -203,9 +206,9 @@ static int tube_size(const loop_setting *s) /* coordinates of all tubes */
     return s->order * s->n;
 }
 
-static int state_size(const loop_setting *s) /* with the output of a drive that lags */
+static int state_size(const loop_setting *s) /* with the outputs of both lags */
 {
-    return tube_size(s) + (s->drive_time_constant > 0.0 ? s->n : 0);
+    return tube_size(s) + (s->drives != NULL ? 2 * s->n : 0);
 }
 
 /* Writes the quantities that the tubes bound: x, and of order 2 then v + filter x. */
@@ -227,7 +230,7 @@ static void disturb(const wind *v, double t, const double *x, double *w)
     if (s->disturbance_kind == SINUSOIDAL)
         for (int i = 0; i < n; i++) w[i] = v->direction[i] * sin(v->rate * t + v->phase);
     if (s->disturbance_kind == NEAREST) nearest(s, t, x, w);
-    if (s->disturbance_kind == OUTWARD) { /* toward the nearest edge of the tube */
+    if (s->disturbance_kind == OUTWARD || s->disturbance_kind == MOTION) { /* along the axis that is nearest to an edge */
         const int first = (s->order - 1) * n;
         int worst = first;
         double largest_e = -1.0, coordinates[STATE];
@@ -237,6 +240,7 @@ static void disturb(const wind *v, double t, const double *x, double *w)
             if (e > largest_e) largest_e = e, worst = i;
         }
         w[worst - first] = coordinates[worst] < v->middle[worst] ? -1.0 : 1.0;
+        if (s->disturbance_kind == MOTION) w[worst - first] = v->push[worst - first];
     }
     for (int i = 0; i < n; i++) w[i] *= s->w_max * s->w_ratios[i];
 }
@@ -257,18 +261,63 @@ static held_input *input_at(inputs *q, int k) /* 0: the acting one */
     return &q->pending[(q->first + k) % MAX_PENDING];
 }
 
+/* What a limited rate makes of component i of u at time t. It reaches u and never passes it. */
+static double ramp_at(const wind *v, int i, double u, double t)
+{
+    const double slew = v->s->drives[DRIVE_COLUMNS * i + 2], largest = slew * fmax(0.0, t - v->ramp_time), gap = u - v->ramp[i];
+    return slew > 0.0 && fabs(gap) > largest ? v->ramp[i] + (gap < 0.0 ? -largest : largest) : u;
+}
+
+/* Writes what acts of u at time t, and the derivatives of both lags of each component, which follow x and v in the state. */
+static void answer_of_drives(const wind *v, double t, const double *x, const double *u, double *acting, double *rate)
+{
+    const int n = v->s->n, first = tube_size(v->s);
+    for (int i = 0; i < n; i++) {
+        const double *drive = v->s->drives + DRIVE_COLUMNS * i, *lagging = x + first + i;
+        double source = ramp_at(v, i, u[i], t);
+        for (int k = 0; k < 2; k++) {
+            rate[first + k * n + i] = drive[k] > 0.0 ? (source - lagging[k * n]) / drive[k] : 0.0;
+            source = drive[k] > 0.0 ? lagging[k * n] : source;
+        }
+        acting[i] = source + drive[3] * (source - (v->push[i] > 0.0 ? v->smallest_u[i] : v->largest_u[i]));
+    }
+}
+
+/* Moves the outputs of adverse drives at time t to what they follow, where that is in the direction of the push. */
+static void jump_drives(wind *v, double t, double *x, const double *u)
+{
+    const int n = v->s->n, first = tube_size(v->s);
+    for (int i = 0; i < n; i++) {
+        double source = ramp_at(v, i, u[i], t);
+        if ((u[i] - source) * v->push[i] > 0.0) source = v->ramp[i] = u[i];
+        for (int k = 0; k < 2; k++) {
+            double *lagging = x + first + k * n + i;
+            if (v->s->drives[DRIVE_COLUMNS * i + k] > 0.0 && (source - *lagging) * v->push[i] > 0.0) *lagging = source;
+            source = v->s->drives[DRIVE_COLUMNS * i + k] > 0.0 ? *lagging : source;
+        }
+    }
+}
+
+/* Begins a step at time t: what the limited rate has made of u so far is stored. */
+static void move_ramps(wind *v, double t, const double *u)
+{
+    double reached[MAX_DIMENSIONS];
+    for (int i = 0; i < v->s->n; i++) reached[i] = ramp_at(v, i, u[i], t);
+    memcpy(v->ramp, reached, (size_t)v->s->n * sizeof *reached);
+    v->ramp_time = t;
+}
+
 /* Writes the derivative of the state. */
 static void rate_of(const wind *v, double t, const double *x, const held_input *acts, double *rate)
 {
     const double *u = acts->u;
     const int n = v->s->n;
-    double g[MAX_DIMENSIONS * MAX_DIMENSIONS], w[MAX_DIMENSIONS], *highest_rate = rate + (v->s->order - 1) * n;
+    double g[MAX_DIMENSIONS * MAX_DIMENSIONS], w[MAX_DIMENSIONS], acting[MAX_DIMENSIONS], *highest_rate = rate + (v->s->order - 1) * n;
     loop_plant(x, v->s->plant_constants, acts->sample, highest_rate, g);
     disturb(v, t, x, w);
-    if (v->s->drive_time_constant > 0.0) {
-        const int first = tube_size(v->s);
-        for (int i = 0; i < n; i++) rate[first + i] = (u[i] - x[first + i]) / v->s->drive_time_constant;
-        u = x + first;
+    if (v->s->drives != NULL) {
+        answer_of_drives(v, t, x, u, acting, rate);
+        u = acting;
     }
     for (int i = 0; i < n; i++) {
         if (v->s->order == 2) rate[i] = x[n + i];
@@ -314,13 +363,22 @@ static void integrate(const wind *v, double t, double h, const held_input *acts,
 }
 
 /* Drives the plant from `now` over h, with each input while it acts. */
-static void drive(const wind *v, double now, double h, inputs *q, double *x)
+static void drive(wind *v, double now, double h, inputs *q, double *x)
 {
     const double end = now + h;
     for (double at = now, left = h; left > 0.0; left = end - at) {
         while (q->count > 1 && input_at(q, 1)->since <= at) q->first = (q->first + 1) % MAX_PENDING, q->count--;
         const double step = q->count > 1 ? fmin(left, input_at(q, 1)->since - at) : left;
+        const double *u = input_at(q, 0)->u;
+        if (v->s->drives != NULL) {
+            for (int i = 0; i < v->s->n; i++) {
+                v->smallest_u[i] = fmin(v->smallest_u[i], u[i]);
+                v->largest_u[i] = fmax(v->largest_u[i], u[i]);
+            }
+            if (v->s->is_adverse) jump_drives(v, at, x, u);
+        }
         integrate(v, at, step, input_at(q, 0), x, MAX_HALVINGS);
+        if (v->s->drives != NULL) move_ramps(v, at + step, u);
         if (step == left) return;
         at += step;
     }
@@ -371,6 +429,12 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
         const double distance_ratio = width > 0.0 ? nearer / width : -1.0, e = fabs(coordinates[i] - v->middle[i]) / v->half[i];
         double *largest_e = &r->e[i % n];
         /* NaN counts as outside */
+        if (i >= tube_size(s) - n) { /* the tube that u acts on */
+            const double before = v->e[i % n], side = coordinates[i] - v->middle[i];
+            v->e[i % n] = side / v->half[i];
+            if (s->disturbance_kind != MOTION) v->push[i % n] = side < 0.0 ? -1.0 : 1.0;
+            else if (v->e[i % n] != before) v->push[i % n] = v->e[i % n] < before ? -1.0 : 1.0;
+        }
         r->margin = distance_ratio >= r->margin ? r->margin : distance_ratio == distance_ratio ? distance_ratio : -1.0;
         *largest_e = e <= *largest_e ? *largest_e : e == e ? e : HUGE_VAL;
     }
@@ -378,6 +442,7 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
 
 static void start_wind(wind *v, const loop_setting *s)
 {
+    memset(v, 0, sizeof *v);
     v->s = s;
     v->random = s->seed;
     unit_vector(&v->random, v->direction, s->n);
@@ -409,6 +474,7 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
     int status = 0, lost = 0;
     memset(r, 0, sizeof *r);
     q.first = q.count = 0;
+    if (s->is_adverse && s->latency > 0.0) memset(input_at(&q, q.count++), 0, sizeof(held_input)); /* u is 0 until the first acts */
     r->hit = -1, r->hit_at = r->left_at = r->outside_at = -1.0, r->margin = 0.5;
     start_wind(&v, s);
     memcpy(x, s->start, (size_t)size * sizeof *x);
@@ -427,7 +493,7 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
             if (status != 0 && r->outside++ == 0) r->outside_at = t;
             for (int i = 0; i < n; i++) r->u[i] = fmax(r->u[i], fabs(u[i]));
             held_input *next = input_at(&q, q.count++);
-            next->since = k > 0 ? t + s->latency : 0.0;
+            next->since = k > 0 || s->is_adverse ? t + s->latency : 0.0;
             memcpy(next->u, u, (size_t)n * sizeof *u);
             memcpy(next->sample, measured, (size_t)n * sizeof *measured);
         }

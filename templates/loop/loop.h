@@ -6,7 +6,8 @@
 #include <stdint.h>
 
 #define MAX_DIMENSIONS 64 /* of x */
-#define STATE (3 * MAX_DIMENSIONS) /* numbers in x, v and the output of a drive */
+#define STATE (4 * MAX_DIMENSIONS) /* numbers in x, v and the outputs of two lags in series */
+#define DRIVE_COLUMNS 4 /* of the drives' table: lag, second lag, slew, weight of opposite commands */
 #define MAX_FACES 1024 /* of one unsafe set */
 #define MAX_PENDING 128 /* inputs that wait to act */
 
@@ -20,8 +21,8 @@ typedef void (*loop_advance)(double t, double dt);
 
 /* The direction of w. NONE: w is 0. CONSTANT: one random vector. SINUSOIDAL: that vector times a sine of time. RANDOM: a new vector in
  * every period. NEAREST: toward the nearest unsafe set or face of the state space. OUTWARD: along one axis, toward the nearest edge of
- * the tube. */
-typedef enum { NONE, CONSTANT, SINUSOIDAL, RANDOM, NEAREST, OUTWARD } disturbance;
+ * the tube. MOTION: along the same axis, the way that x moves in its tube. */
+typedef enum { NONE, CONSTANT, SINUSOIDAL, RANDOM, NEAREST, OUTWARD, MOTION } disturbance;
 
 /* The error of the clock by which the sets move. STATED: none. EARLY: the clock is behind the controller's as far as it may be. LATE: it
  * is ahead as far as it may be. WORST: CLOCKS errors between both are tried for each set at each time; a collision with one counts. */
@@ -35,7 +36,7 @@ typedef struct {
     int32_t integration_steps; /* Runge-Kutta steps in each period */
     int32_t disturbance_kind; /* a value of `disturbance` */
     int32_t max_lost_samples; /* in a row; a sample is lost at random */
-    int32_t has_constant_dynamics; /* 1: f and g do not depend on the state, and no drive lags */
+    int32_t has_constant_dynamics; /* 1: f and g do not depend on the state, and there are no drives */
     uint64_t seed;
     double period, end;    /* seconds; the last period is cut at the end */
     double w_max;          /* bound on |w|, the Euclidean norm */
@@ -44,8 +45,13 @@ typedef struct {
     const double *filter;  /* n, lambda of order 2: v + filter x is in the filtered tube */
     const double *plant_constants; /* in this run */
     const double *w_ratios; /* n, at most 1: |w_i| is at most w_ratios[i] w_max */
-    double drive_time_constant; /* seconds: the plant's input follows u by a first-order lag and is 0 at first; 0: it is u */
-    double latency;        /* seconds from a sample to its u, less than MAX_PENDING - 2 periods; the first u acts at once */
+    const double *drives;  /* n rows of DRIVE_COLUMNS, by which the plant's input follows u from rest; NULL: it is u. Time constants of
+                            * two first-order lags in series, seconds, 0: none. The rate of change before them, units of u a second, 0:
+                            * no limit. The weight nu of opposite commands, of an adverse drive that overshoots. */
+    int32_t is_adverse;    /* 1: drives are at once where that helps the disturbance, and as late as they may be elsewhere; the first
+                            * u is as late as the others */
+    double latency;        /* seconds from a sample to its u, less than MAX_PENDING - 2 periods; the first u acts at once, or see
+                            * is_adverse */
     const double *start;   /* a state */
     int32_t space_face_count, target_face_count;
     const double *space_faces; /* of the state space */

@@ -91,7 +91,7 @@ def test_comments_spaces_and_spelling_of_numbers_are_free(tmp_path: Path) -> Non
     files = recorded_files("trolley")
     text = files["trolley.c"].decode()
     for old, new in (
-        ("    0.178F, 0.168F\n", "    1.78e-1F, 0.1680000000F\n"),
+        ("    0.0384F, 0.0252F\n", "    3.84e-2F, 0.02520000000F\n"),
         ("= 1.0F - s;", "=1.0F\n  -s ;"),
         ("const int32_t at_1", "/* for (;;) \" // ' */ const /*/**/ int32_t at_1"),
         ("#include <math.h>", "#include /* <string.h> */ <math.h>  /* */"),

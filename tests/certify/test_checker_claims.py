@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 from benchmarks.mutants.tubes import BOX_BASE_NAMES, draw_mutant
 from benchmarks.mutations import files_claiming_success
 from stt_codegen.certify.claims import claims_of, cuts_of
-from stt_codegen.checker.stt_checker.period import logarithm
+from stt_codegen.checker.stt_checker.exact import logarithm
 from stt_codegen.checker.stt_checker.task import Task as CheckedTask
 from stt_codegen.checker.stt_checker.tube import part_of
 from stt_codegen.designs.refined import RefinedDesign

@@ -25,7 +25,7 @@ from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import describe_proof
+from stt_codegen.loop.foretold import describe_proof, drives_of
 from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario
 from stt_codegen.loop.simulate import random_start as draw_start
@@ -435,7 +435,8 @@ def test_an_option_that_does_not_fit_the_order_is_refused(tables: str, words: li
 def test_a_lag_is_simulated_and_reported_as_not_proved() -> None:
     """v follows the lag's exact solution for held inputs; the notes before the loop say that nothing is proved."""
     controller = controller_of_case("plain")
-    run = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=100.0, lag=0.3), trace=True)
+    drives = drives_of(0.3, controller.task)
+    run = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=100.0, drives=drives), trace=True)
     without_lag = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=100.0), trace=True)
     assert run.trace is not None
     assert without_lag.trace is not None
@@ -449,8 +450,8 @@ def test_a_lag_is_simulated_and_reported_as_not_proved() -> None:
         lagged_input = u[k] + (lagged_input - u[k]) * np.exp(-h / 0.3)
         np.testing.assert_allclose(v[k + 1], velocity, rtol=0, atol=1e-9)  # the steps of the loop, a few milliseconds each
     assert not np.allclose(rows, without_lag.trace)
-    notes = describe_proof(controller, PLANTS["integrator"], Scenario(rate=100.0, lag=0.3))
-    assert notes == ["not proved: u acts through a lag of 0.3 s, which no statement here allows for"]
+    notes = describe_proof(controller, PLANTS["integrator"], Scenario(rate=100.0, drives=drives))
+    assert notes == ["not proved: u acts through a drive with a lag of 0.3 s, and the task states none; put it into [plant]"]
 
 
 def test_the_bound_on_e_is_never_below_its_value_at_the_start() -> None:

@@ -16,7 +16,7 @@ from stt_codegen.checker import check_files
 from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import describe_proof
+from stt_codegen.loop.foretold import describe_proof
 from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import Loop, Scenario, random_start, scenario_of_task
 from stt_codegen.pipeline import EmittedController
@@ -126,7 +126,6 @@ def test_the_shift_grows_with_noise_and_shorter_periods_until_a_refusal() -> Non
 @pytest.mark.parametrize(
     ("changes", "field"),
     [
-        ({"control": {"u_max": None, **BY_DIFFERENCES}}, "control.u_max"),
         ({"control": {"period": None, **BY_DIFFERENCES}}, "control.period"),
         ({"control": {"period_min": 0.03, **BY_DIFFERENCES}}, "control.period_min"),
         ({"control": {"period_min": 0.01}}, "control.period_min"),
@@ -179,7 +178,7 @@ def test_runs_outside_the_assumptions_of_differences_are_not_described_as_proved
     """These are a start with a speed, samples closer than period_min, and samples farther apart than the period, without or with delay."""
     loop_task = drone_controller().task
     start = tuple(float(v) for v in loop_task.initial_state)
-    assert "proved from this start" in description_of()
+    assert description_of().startswith("proved, period (P9)")
     assert "not proved" in description_of(start=(*start, 0.1, 0.0, 0.0))
     assert "not proved" in description_of(rate=1.01 / float(loop_task.shortest_period))
     assert "not proved" in description_of(rate=1 / (1.02 * float(loop_task.sampling_period)), latency=0.0)

@@ -30,7 +30,7 @@ from stt_codegen.lemmas.book import FAMILIES, BookEntry, page, prove_all
 from stt_codegen.lemmas.emitted import examples, functions, printed_kernels
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, prove_above, prove_identities, prove_positive, with_steps
 from stt_codegen.lemmas.paper import bumps, reach, theorem_4_1, update_function
-from stt_codegen.lemmas.sampling import definite_plants, first_exit, sampled, sampled_windows
+from stt_codegen.lemmas.sampling import definite_plants, first_exit, sampled, sampled_windows, worst_path_theorem
 from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube, refined_tube, smooth
 from stt_codegen.plants import Plant
 from stt_codegen.program.analyse import exact_logarithm as enclosed
@@ -41,6 +41,7 @@ from stt_codegen.program.symbolic.paths import follow
 from stt_codegen.program.targets.python.printer import PythonPrinter
 from stt_codegen.sampling import periods, sampled_loop, sampling_conditions, windows
 from stt_codegen.sampling.numbers import Fractions
+from stt_codegen.sampling.path import drive_response, integer_logarithm, path_proof, path_windows, worst_path
 from stt_codegen.sampling.sampled_loop import SampledLoop, first_order_loop
 from stt_codegen.sampling.windows import extremes
 from stt_codegen.task.sets.convex_sets import BoxSet
@@ -157,7 +158,17 @@ SHIPPED = SimpleNamespace(  # functions as they are shipped, which the wrong one
     of=update_module.Curve.of,
     beyond=update_module.Curve.beyond,
     cell=update_module.Curve.cell,
+    bounds_over=path_windows.PathLoop.bounds_over,
+    input_bound=path_windows.ComponentLaw.input_bound,
+    command=worst_path._Law.command,
+    history=worst_path._Path._history,
 )
+
+
+def wrong_closing_rate(distance: Any, effect: Any) -> Any:
+    return worst_path_theorem.P + worst_path_theorem.rate * distance + effect
+
+
 upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[0], input_matrix=lambda x: -ca.diag(1 + x**2))
 
 
@@ -249,6 +260,41 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
         (update_module.Curve, "balance", lambda self, psi, theta: self.root(psi, theta), "update.rises"),
         (update_module.Curve, "outer", lambda self, a, b: a, "update.promise"),
         (logarithm, "C", Fraction(2, 3), "transform.logarithm"),
+        (
+            worst_path_theorem,
+            "INPUT_OVER_GAIN",
+            (1 / sampled.a - 1 / sampled.b) * sp.log(sampled.a / sampled.b),
+            "path.psi_rises",
+        ),
+        (worst_path_theorem, "closing_rate", wrong_closing_rate, "path.distance"),
+        (worst_path_theorem, "closing_rate", wrong_closing_rate, "path.slides"),
+        (worst_path_theorem, "closing_rate", wrong_closing_rate, "path.ends"),
+        (worst_path_theorem, "closing_rate", wrong_closing_rate, "path.local"),
+        (worst_path_theorem, "drive_answer", lambda start, c, lag, t: c + (start - c) * sp.exp(-t * lag), "path.drive"),
+        (worst_path_theorem, "path_time", lambda time, theta: time + theta, "path.early"),
+        (worst_path_theorem, "cell_speed", lambda at_begin, rest: at_begin * rest, "path.cells"),
+        (integer_logarithm, "ARTANH_ERROR", -6, "path.logarithm"),
+        (integer_logarithm, "LOG_TWO", integer_logarithm.LOG_TWO + 1000, "path.logarithm"),
+        (drive_response, "decay_above", lambda x: drive_response.SHARE_ONE * 9 // 10, "path.drive_evaluated"),
+        (drive_response.DriveCells, "acting", lambda cells, command: command, "path.drive_evaluated"),
+        (worst_path._Law, "command", lambda law, near: SHIPPED.command(law, near * 2), "path.evaluated"),
+        (worst_path._Fall, "through_cell", lambda fall, amount: amount, "path.evaluated"),
+        (worst_path._Path, "_history", lambda path, level, cells: SHIPPED.history(path, level, 0), "path.evaluated"),
+        (worst_path, "SLOWEST_START_BITS", 5, "path.evaluated"),
+        (
+            path_windows.PathLoop,
+            "bounds_over",
+            lambda loop, i, first, last, inputs: SHIPPED.bounds_over(loop, i, last, last, inputs),
+            "path.joined",
+        ),
+        (
+            path_windows.ComponentLaw,
+            "input_bound",
+            lambda law, narrow, rho: SHIPPED.input_bound(law, narrow, rho - 1),
+            "path.joined",
+        ),
+        (worst_path.PathBounds, "covers", lambda bounds, tighter: True, "path.proof"),
+        (path_proof, "_is_enough", lambda proof: True, "path.proof"),
         (theorem_4_1, "E", 2 * theorem_4_1.E, "theorem.edot"),  # it has no kernel; its definition is wrong instead
     ],
 )

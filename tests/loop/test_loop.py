@@ -20,7 +20,8 @@ from benchmarks.command_line import suites
 from benchmarks.suites.loop import PERIOD_FACTORS, LoopJob, loop_jobs, run_job, summary_lines, table_rows
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
-from stt_codegen.loop.command import Request, describe_proof, simulate, with_disturbance_bound, with_gain
+from stt_codegen.loop.command import Request, simulate, with_disturbance_bound, with_gain
+from stt_codegen.loop.foretold import describe_proof
 from stt_codegen.loop.simulate import DISTURBANCES, Loop, Run, Scenario, random_start
 from stt_codegen.loop.traces import trace_columns, trace_csv
 from stt_codegen.pipeline import EmittedController, build

@@ -247,8 +247,8 @@ def test_a_component_that_nothing_moves_gets_a_gain_too() -> None:
     assert all(k > 0 for k in controller.task.gain)
 
 
-def test_a_chosen_gain_is_proved_and_no_other_has_a_clearly_smaller_bound_on_eps() -> None:
-    task = with_period("omni_s2", {"gain": "auto"}, {"w_max": "0.1"}, "0.005")
+def test_a_tight_gain_is_proved_and_no_other_has_a_clearly_smaller_bound_on_eps() -> None:
+    task = with_period("omni_s2", {"gain": "tight", "u_max": "1000"}, {"w_max": "0.1"}, "0.005")
     controller = build_once(task)
     assert controller.certificate.holds
     assert controller.task.digest == task.digest
@@ -273,15 +273,15 @@ def test_a_chosen_gain_is_proved_and_no_other_has_a_clearly_smaller_bound_on_eps
 @pytest.mark.parametrize(
     ("control", "plant"),
     [
-        ({"gain": "0.5", "period": "0.005"}, {}),
-        ({"period": "0.04"}, {}),
-        ({"period": "0.02"}, {"w_max": "0.3"}),
-        ({"gain": "30", "period": "0.001"}, {"g_cross": "0.05"}),
-        ({"period": "0.015", "latency": "0.001"}, {}),
+        ({"gain": "0.5", "period": "0.02", "u_max": "1000"}, {"exact": True}),
+        ({"period": "0.06", "u_max": "1000"}, {"exact": True}),
+        ({"period": "0.02", "u_max": "1000"}, {"w_max": "0.3"}),
+        ({"gain": "30", "period": "0.001", "u_max": "1000"}, {"g_cross": "0.05"}),
+        ({"period": "0.015", "latency": "0.001", "u_max": "1000"}, {"exact": True}),
         ({"period": "0.02", "u_max": "0.8"}, {"w_max": "0.3"}),
     ],
 )
-def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant: dict[str, str]) -> None:
+def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant: dict[str, Any]) -> None:
     """Every alternative of the message is put into the task."""
     task = controller_of("omni_s2").task.changed(control=control, plant=plant)
     with pytest.raises(stt.NotCertified, match=r"period \(P9\)") as refusal:
@@ -295,17 +295,18 @@ def test_every_remedy_that_a_refusal_names_works(control: dict[str, str], plant:
             advised = dict(re.findall(r"control\.(\w+) = (\[[^\]]*\]|[\d.e+-]+)", option))
             advised["gain"] = re.findall(r"gain (\[[^\]]*\]|[\d.e+-]+)", option)[0]
             changed = {**control, **{k: v.strip("[]").split(", ") if "[" in v else v for k, v in advised.items()}}
-        assert build_once(task.changed(control=changed)).certificate.holds, option
+        share = dict(re.findall(r"initial_set\.(share) = ([\d.]+)", option))
+        assert build_once(task.changed(control=changed, initial_set=share)).certificate.holds, option
         tried_count += 1
     assert tried_count
 
 
 def test_the_board_at_a_slower_tick_is_refused_with_a_remedy_that_works() -> None:
-    """Gain 0.5 at four times the tick of tasks/omni_board.toml is enough from initial_state, and not from the whole start share."""
-    task = controller_of("omni_board").task
-    with pytest.raises(stt.NotCertified, match=r'fails by 0\.000.*use control.gain = "auto"'):
-        build_once(task.changed(control={"gain": "0.5", "period": 4 * task.emit.tick_period}))
-    assert build_once(task.changed(control={"gain": "auto", "period": 4 * task.emit.tick_period})).certificate.holds
+    """Gain 0.5 at sixteen times the tick of tasks/omni_board.toml is too high; another gain is proved."""
+    task = controller_of("omni_board").task.changed(control={"u_max": "1000"}, plant={"exact": True})
+    with pytest.raises(stt.NotCertified, match=r'fails by 0\.0.*use control.gain = "auto"'):
+        build_once(task.changed(control={"gain": "0.5", "period": 16 * task.emit.tick_period}))
+    assert build_once(task.changed(control={"gain": "auto", "period": 16 * task.emit.tick_period})).certificate.holds
     assert build_once(task.changed(control={"gain": "0.5", "period": task.emit.tick_period})).certificate.holds
 
 
@@ -342,7 +343,9 @@ def test_a_period_is_for_refined_tubes(design: str) -> None:
 
 
 def test_uncertified_files_name_the_failed_period(tmp_path: Path) -> None:
-    controller = build_once(controller_of("omni_s2").task.changed(control={"gain": "0.5", "period": "0.01"}), uncertified=True)
+    unlimited = {"gain": "0.5", "period": "0.01", "u_max": "1000"}
+    task = controller_of("omni_s2").task.changed(control=unlimited, plant={"exact": True})
+    controller = build_once(task, uncertified=True)
     assert not controller.certificate.holds
     assert "PERIOD_PROVED" not in controller.files["omni_s2.h"].decode()
     assert "P9 period" in controller.files["omni_s2.h"].decode()

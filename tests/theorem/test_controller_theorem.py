@@ -161,9 +161,9 @@ MUTANTS = (  # the fields of a TextMutant, which replaces the first occurrence o
     ("trolley", "the_shifts : list Q := [(", "the_shifts : list Q := [(1 # 1000); (", "sensors_checked"),
     ("trolley", "the_rhos : list Q := [(", "the_rhos : list Q := [(9 # 1); (", "period_checked"),
     # One gain for each component: their table, and the statements that read it.
-    ("trolley", "0.178F, 0.168F", "0.001F, 0.168F", "period_checked"),
-    ("trolley", "0.178F, 0.168F", "-0.178F, 0.168F", "constants_checked"),
-    ("trolley", "trolley_gain[2] = {\n    0.178F, 0.168F", "trolley_gain[1] = {\n    0.178F", "constants_checked"),
+    ("trolley", "0.0384F, 0.0252F", "0.001F, 0.0252F", "period_checked"),
+    ("trolley", "0.0384F, 0.0252F", "-0.0384F, 0.0252F", "constants_checked"),
+    ("trolley", "trolley_gain[2] = {\n    0.0384F, 0.0252F", "trolley_gain[1] = {\n    0.0384F", "constants_checked"),
     ("trolley", "= trolley_gain[i]", "= trolley_u_max[i]", "text_read"),
     ("trolley", "= trolley_gain[i]", "= trolley_gain[lower_at]", "text_read"),
     ("trolley", "= -gain_i", "= gain_i", "text_read"),

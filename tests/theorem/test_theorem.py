@@ -224,7 +224,7 @@ def test_the_sampled_theorem_reaches_the_longest_period_of_p9(tmp_path: Path, to
     """The tool refuses a period of 0.069 s; docs/theorem.md states 0.068 s."""
     tool("coqc")
     text = (ROOT / "tasks/omni_s1.toml").read_text().replace("[target_set]", "share = 0.5\n\n[target_set]")
-    text = text.replace("gain = 0.5", 'gain = "auto"\nperiod = {}\n\n[plant]\nw_max = 0.05')
+    text = text.replace("gain = 0.5", 'gain = "tight"\nu_max = 1000.0\nperiod = {}\n\n[plant]\nw_max = 0.05')
     for period, code in (("0.069", 3), ("0.068", 0)):
         (tmp_path / "task.toml").write_text(text.format(period))
         result = run_command("generate", str(tmp_path / "task.toml"), "--out", str(tmp_path))
@@ -303,7 +303,7 @@ MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), pattern, replaceme
     ("trolley", 0, rb"period = 0\.02 ", b"period = 0.06 ", "period_checked"),
     ("trolley", 0, rb"w_max = 0\.1\n", b"w_max = 1.75\n", "period_checked"),
     ("trolley", 0, rb"share = 0\.9 ", b"share = 0.91 ", "period_checked"),
-    ("trolley", 2, rb'"gain": \["89/500"', b'"gain": ["89/5000"', "another gain"),
+    ("trolley", 2, rb'"gain": \["24/625"', b'"gain": ["24/6250"', "another gain"),
     ("rover", 0, rb"radius = 0\.5", b"radius = 0.501", "tube_checked"),
     ("rover", 0, rb"centre = \[2\.6, 1\.2\]", b"centre = [2.6, 1.3]", "tube_checked"),
     ("rover", 0, rb"centre = \[2\.6, 1\.2\]\nradius", b'axes = ["x"]\ncentre = [2.6]\nradius', "tube_checked"),

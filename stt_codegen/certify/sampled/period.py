@@ -1,8 +1,9 @@
 """P9: sampled at `control.period`, from every start in the task's share of gamma(0), under every plant within the bounds of
 [plant], the state stays in the tube.
 
-The proof evaluates the sharp sampling conditions (sampling/sampling_conditions.py) in exact fractions, with rho = e^E rational
-(sampling/numbers.py). Candidates for rho are searched for in doubles. lemmas/sampling/sampled.py has the mathematics.
+Where every input acts at once, the proof evaluates the sharp sampling conditions (sampling/sampling_conditions.py) in exact
+fractions, with rho = e^E rational (sampling/numbers.py). Candidates for rho are searched for in doubles. Else, and where these
+conditions fail, the worst path is the proof (late_inputs.py). lemmas/sampling/ has the mathematics.
 """
 
 from __future__ import annotations
@@ -11,11 +12,13 @@ import itertools
 import math
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, PeriodProof
+from stt_codegen.certify.sampled.late_inputs import drive_words, late_advice, prove_late_period
 from stt_codegen.certify.sampled.lost_turns import LostTurn, lost_turn
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import RefinedDesign
@@ -31,9 +34,10 @@ from stt_codegen.sampling import (
     inputs_where_proved,
     longest_proved_period,
     loop_of,
+    path_loop_of,
     prove_for_period,
-    rounded_gain,
 )
+from stt_codegen.sampling.path import longest_path_period
 from stt_codegen.task import Task
 
 Array = npt.NDArray[np.float64]
@@ -42,22 +46,6 @@ RAISES = (Fraction(0), Fraction(1, 10**6), Fraction(1, 10**4), Fraction(1, 10**3
 
 
 # An overflow in a search is infinite, and proves nothing; what is returned was proved in fractions. So NumPy need not warn.
-@np.errstate(all="ignore")
-def choose_gain(
-    task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
-) -> tuple[Fraction, ...]:
-    """Choose the gain for control.gain = "auto": the one that keeps |e| smallest at the task's period.
-
-    Where no gain is proved for the period, it is the gain of the longest period; the refusal then says what would do.
-    """
-    loop = loop_of(task, design, edge_error, rate)
-    proportions = balancing_gain(loop)
-    age = float(task.sampling_period + task.control.latency)
-    choice = choose_proved_gain(loop, age, kinds=("sharp",)) or Gains(loop, proportions, kinds=("sharp",)).with_longest_period
-    gain = rounded_gain(proportions) if choice is None else choice.gain
-    return tuple(Fraction(f"{k:.12g}") for k in gain.tolist())
-
-
 @np.errstate(all="ignore")
 def certify_period(
     task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
@@ -70,20 +58,60 @@ def certify_period(
     exact, loop = exact_loop(task, design, edge_error, rate), loop_of(task, design, edge_error, rate)
     if (outside := _start_outside_share(task, design)) is not None:
         return outside, None
-    age = task.sampling_period + task.control.latency
-    longest_period = longest_proved_period("sharp", loop)
-    margin = (Fraction(longest_period.seconds) if longest_period is not None else Fraction(0)) - age
-    proof = prove_period(task, exact, loop, longest_period)
+    evidence = _evidence(task, design, exact, loop)
+    proof, margin = evidence.proof, evidence.margin
     if proof is None:
-        # Where balls alone prove the period, which is no proof here, a small negative margin is stated.
-        lack = min(margin, -age / 1000)
-        return Finding(Property.PERIOD, _statement(task), lack, Fraction(0), advice=_advice(task, loop, age)), None
+        return Finding(Property.PERIOD, _statement(task), margin, Fraction(0), advice=evidence.advice), None
     if (lost := lost_turn(task, design, proof)) is not None:
         return _lost_turn_finding(task, lost), None
     e = tuple((v - 1) / (v + 1) for v in proof.rho)
     symbol = "|e|" if task.order == 1 else "|e| of v + lambda x"
     statement = f"{_statement(task)}: {symbol} < {_bounds(e)}, |u| <= {_bounds(proof.u)}"
     return Finding(Property.PERIOD, statement, Fraction(str(below(max(margin, Fraction(0)), 3))), Fraction(0)), proof
+
+
+class PeriodEvidence(NamedTuple):
+    """The proof of a period, or None with advice; and by how many seconds a longer period is proved, negative without a proof."""
+
+    proof: PeriodProof | None
+    margin: Fraction
+    advice: str = ""
+
+
+def _evidence(task: Task, design: RefinedDesign, exact: SampledLoop, loop: SampledLoop) -> PeriodEvidence:
+    """Prove the period by the sharp conditions where inputs act at once; else, and where these fail, by the worst path."""
+    sharp = None if task.has_late_input else _sharp_evidence(task, exact, loop)
+    if sharp is not None and sharp.proof is not None:
+        return sharp
+    period, path_loop = task.sampling_period, path_loop_of(task, design, exact)
+    proof = prove_late_period(task, path_loop, _rho_of_conditions(task, exact, loop))
+    longest_period = longest_path_period(path_loop, period)
+    margin = (longest_period or Fraction(0)) - period
+    if proof is not None:
+        return PeriodEvidence(proof, margin)
+    if sharp is not None:
+        return sharp
+    return PeriodEvidence(None, min(margin, -period / 1000), late_advice(task, path_loop))
+
+
+def _sharp_evidence(task: Task, exact: SampledLoop, loop: SampledLoop) -> PeriodEvidence:
+    """Prove the period by the sharp conditions."""
+    age = task.sampling_period + task.control.latency
+    longest_period = longest_proved_period("sharp", loop)
+    margin = (Fraction(longest_period.seconds) if longest_period is not None else Fraction(0)) - age
+    proof = prove_period(task, exact, loop, longest_period)
+    if proof is None:
+        # Where balls alone prove the period, which is no proof here, a small negative margin is stated.
+        return PeriodEvidence(None, min(margin, -age / 1000), _advice(task, loop, age))
+    return PeriodEvidence(proof, margin)
+
+
+def _rho_of_conditions(task: Task, exact: SampledLoop, loop: SampledLoop) -> tuple[Fraction, ...] | None:
+    """Return the rho of the sharp conditions where nothing but latency is late, which they prove under another assumption."""
+    if not all(bounds.acts_at_once for bounds in task.drive_bounds):
+        return None
+    proof = prove_period(task, exact, loop, longest_proved_period("sharp", loop))
+    return None if proof is None else proof.rho
 
 
 def _start_outside_share(task: Task, design: RefinedDesign) -> Finding | None:
@@ -143,14 +171,17 @@ def _statement(task: Task) -> str:
     force, g_min, g_max, cross = (by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross"))
     g_ii = "g_ii" if task.gain[0] > 0 else "-g_ii"
     g = f"{g_ii} = {g_min}" if g_min == g_max else f"{g_min} <= {g_ii} <= {g_max}"
-    bounds = [f"|f + w| <= {force}", g, f"|g_ij| <= {cross}"]
+    assumed = " (assumed, as the task has no [plant])" if task.assumes_plant else ""
+    bounds = [f"|f + w| <= {force}", g, f"|g_ij| <= {cross}{assumed}"]
     bounds += [f"x measured to {decimal(plant.noise)}"] if plant.noise else []
-    bounds += [f"u {decimal(control.latency)} s after its sample at most, the first at once"] if control.latency else []
+    bounds += drive_words(task)
     starts = f"|e(0)| <= {decimal(task.initial_set.share)}"
     if task.order == 2:
         at_most = by_component(task.start_speed)
         starts += f" and |v(0)| <= {at_most}" if any(task.start_speed) else " at rest"
         bounds += [f"v measured to {decimal(plant.noise_v)}"] if plant.noise_v else []
+    if task.has_chosen_limit and task.u_max is not None:
+        bounds += [f"u limited to {by_component(task.u_max)}, which was chosen"]
     often = "s or faster"
     if task.uses_differences:
         often = f"s or faster, but not below {decimal(task.shortest_period)} s, with v = (x - x before) / time between"

@@ -34,6 +34,9 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     bits = BITS[scalar]
     if task.turns:
         task.turns.add_noise(bits)
+    if task.leaves_limit:  # the certificate's, which all proofs take; it must be as the C has it
+        task.u_max = fractions(certificate["control"]["u_max"], task.n)
+        require(min(task.u_max) > 0, "the certificate's u_max is not positive")
     unit, cuts, seam = _check_grid(certificate["grid"], task)
     if scalar == "fixed":
         from .integers import Integers
@@ -43,6 +46,8 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     else:
         integer_controller, entries = None, source.real_table(text, f"{task.name}_coefficients", bits)
     tube = tubes.Tube(entries, task.n, unit, task.t_c, seam)
+    if task.assumes_plant:
+        task.assume_plant([tube.speed(i) for i in range(task.n)])
     segments = certificate["grid"]["segments"]
     require(segments == tube.segments and task.segments in (None, segments), "the C has another number of segments")
 
@@ -169,11 +174,19 @@ def _check_start(task: Task, tube: tubes.Tube, certificate: Any) -> None:
     require(certificate["covers_initial_set"] is (max(lack) <= 0), "the certificate's covers_initial_set is wrong")
 
 
+def _read_paths(claim: Any, n: int) -> list[tuple[Fraction, Fraction | None]]:
+    """Return by component how near its paths come to an edge, and over how many seconds bounds count; None: from the start on."""
+    is_list = isinstance(claim, list) and len(claim) == n and all({*v} == {"nearest", "history"} for v in claim)
+    require(is_list, "the certificate's path is unknown")
+    numbers = [[v for v in (entry["nearest"], entry["history"]) if v is not None] for entry in claim]
+    return [(values[0], values[1] if len(values) > 1 else None) for values in (fractions(v, len(v)) for v in numbers)]
+
+
 def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
     """Require the claim about samples, and prove P9."""
     wanted: dict[str, Any] = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
     wanted |= {"plant": task.stated} | ({"period_min": str(task.shortest)} if task.differs else {})
-    require({*claim} == {"rho", "u", "shift", *wanted}, "the certificate's `sampled` is unknown")
+    require({*claim} - {"path"} == {"rho", "u", "shift", *wanted}, "the certificate's `sampled` is unknown")
     for key, value in wanted.items():
         require(same(claim[key], value), f"the certificate's sampled {key} is not the task's")
     rho, u, shift = (fractions(claim[key], task.n) for key in ("rho", "u", "shift"))
@@ -182,7 +195,14 @@ def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
         all(a <= b for a, b in zip(smallest, shift, strict=True)),
         "P9 does not hold: the law sees a larger error than `shift` says",
     )
-    largest = period.prove(task, tube, law, rho, shift)
+    for x, (a, b) in zip(task.state, tube.start, strict=True):
+        is_inside = abs(2 * x / tube.unit - a - b) <= task.share * (b - a)
+        require(is_inside, "P9 does not hold: initial_state is outside the start share")
+    if "path" in claim:
+        largest = period.prove_paths(task, tube, law, _read_paths(claim["path"], task.n), (rho, u, shift))
+    else:
+        require(not task.is_late, "P9 does not hold: inputs act late, and the certificate has no path for them")
+        largest = period.prove(task, tube, law, rho, shift)
     require(all(a <= b for a, b in zip(largest, u, strict=True)), "P9 does not hold: |u| may be more than is claimed")
     if task.turns:
-        task.turns.prove_steps(tube, u, law.filters)
+        task.turns.prove_steps(tube, [v * (1 + 2 * nu) for v, nu in zip(u, task.opposite, strict=True)], law.filters)

@@ -5,8 +5,7 @@ from fractions import Fraction
 from functools import cache
 from typing import NamedTuple
 
-from .exact import require
-from .period import logarithm
+from .exact import logarithm, require
 
 Enclosure = tuple[Fraction, Fraction]  # from below and above
 

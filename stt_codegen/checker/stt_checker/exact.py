@@ -84,3 +84,23 @@ def integers(values: Any, n: int) -> list[int]:
     """Return n whole numbers of the certificate."""
     require(isinstance(values, list) and [type(v) for v in values] == [int] * n, "a claim has no list of whole numbers")
     return values
+
+
+def logarithm(y: Fraction) -> tuple[Fraction, Fraction]:
+    """Return ln y for y >= 1 from below and above: k ln 2 + 2 artanh((z - 1)/(z + 1)) with z = y/2^k below 3/2."""
+    k = max(0, y.numerator.bit_length() - y.denominator.bit_length() - 1)
+    k += y / 2**k >= Fraction(3, 2)
+    z, third = y / 2**k, artanh(Fraction(1, 3))
+    low, high = artanh((z - 1) / (z + 1))
+    return 2 * (low + k * third[0]), 2 * (high + k * third[1])
+
+
+def artanh(z: Fraction) -> tuple[Fraction, Fraction]:
+    """Return z + z^3/3 + .. for 0 <= z <= 1/3 from below and above: 26 terms in multiples of 2^-80. A power is too small by less
+    than 1.5 of these, a quotient by one more, and what is left out is below 2^-84: less than 32 in all."""
+    unit, total = 1 << 80, 0
+    power = first = z.numerator * unit // z.denominator
+    for j in range(26):
+        total += power // (2 * j + 1)
+        power = power * first * first >> 160
+    return Fraction(total, unit), Fraction(total + 32, unit)

@@ -25,11 +25,10 @@ from typing import Any
 
 from . import source
 from .curves import check_curves, h_of
-from .exact import Unusable, require, rounded
+from .exact import Unusable, logarithm, require, rounded
 from .inertia import filtered_tube, widths
 from .law import Law
 from .limits import emitted_limits
-from .period import logarithm
 from .tube import Tube
 
 TABLES = {"levels": 16, "slopes": 16, "bends": 16, "h_shifts": 8, "gains": 16, "shift_offsets": 8, "limits": 32}  # name: bits

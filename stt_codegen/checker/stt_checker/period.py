@@ -4,9 +4,11 @@ period."""
 
 import itertools
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from .exact import require
+from . import path
+from .exact import logarithm, require
 from .inertia import filtered_tube, widths
 from .law import Law
 from .limits import emitted_limits
@@ -25,26 +27,6 @@ class Window(NamedTuple):
     at_edge: Fraction
     ageing: Fraction
     from_middle: Fraction
-
-
-def logarithm(y: Fraction) -> tuple[Fraction, Fraction]:
-    """Return ln y for y >= 1 from below and above: k ln 2 + 2 artanh((z - 1)/(z + 1)) with z = y/2^k below 3/2."""
-    k = max(0, y.numerator.bit_length() - y.denominator.bit_length() - 1)
-    k += y / 2**k >= Fraction(3, 2)
-    z, third = y / 2**k, artanh(Fraction(1, 3))
-    low, high = artanh((z - 1) / (z + 1))
-    return 2 * (low + k * third[0]), 2 * (high + k * third[1])
-
-
-def artanh(z: Fraction) -> tuple[Fraction, Fraction]:
-    """Return z + z^3/3 + .. for 0 <= z <= 1/3 from below and above: 26 terms in multiples of 2^-80. A power is too small by less
-    than 1.5 of these, a quotient by one more, and what is left out is below 2^-84: less than 32 in all."""
-    unit, total = 1 << 80, 0
-    power = first = z.numerator * unit // z.denominator
-    for j in range(26):
-        total += power // (2 * j + 1)
-        power = power * first * first >> 160
-    return Fraction(total, unit), Fraction(total + 32, unit)
 
 
 def windows(task: Any, tube: Tube, filters: list[Fraction]) -> list[list[Window]]:
@@ -111,7 +93,8 @@ def shifts(task: Any, tube: Tube, law: Law) -> list[Fraction]:
         fastest, z = tube.speed(i), max(widths(edges, i))
         if task.differs:
             force, _, g_max, cross = task.bounds(i)
-            acceleration = force + g_max * limit[i] + cross * (sum(limit) - limit[i])
+            largest = [v * (1 + 2 * nu) for v, nu in zip(limit, task.opposite, strict=True)]
+            acceleration = force + g_max * largest[i] + cross * (sum(largest) - largest[i])
             noise_v = acceleration * task.period / 2 + 2 * (noise + eps * (task.farthest + noise)) / task.shortest
             noise_v += 4 * eps * (fastest + s * w + noise_v)
         rounding = eps * (s * task.farthest + fastest + s * w + 8 * (z + 2 * s * w))
@@ -119,18 +102,36 @@ def shifts(task: Any, tube: Tube, law: Law) -> list[Fraction]:
     return result
 
 
+def prove_paths(task: Any, tube: Tube, law: Law, claims: Any, numbers: tuple[list[Fraction], ...]) -> list[Fraction]:
+    """Prove P9 by worst paths, one claim by component. numbers: the claimed rho, u and shift. Return a bound on each |u_i|."""
+    rho, u, shift = numbers
+    acting, limit = [v * (1 + 2 * nu) for v, nu in zip(u, task.opposite, strict=True)], emitted_limits(task, law.bits)
+    segments, bounds, seam = windows(task, tube, law.filters), [], tube.seam
+    order = [*range(len(segments))] if seam is None else [*range(tube.segments), *range(seam, tube.segments)]
+    begins, ratios = [k * task.t_c / tube.segments for k in range(len(order))], start_ratios(task, tube, law.filters)
+    for i in range(task.n):
+        force, g_min, g_max, cross = task.bounds(i)
+        force += cross * (sum(acting) - acting[i])
+        narrowest = min(window[i].narrow for window in segments)
+        bounds.append(largest_input(task, law, i, farthest_position(task, i, narrowest, rho[i], shift[i])))
+        require(ratios[i] < rho[i] and g_min <= g_max, "P9 does not hold: rho is not above the start share, or g_min above g_max")
+        rows = [(force + max(segments[max(k - 1, 0)][i].at_edge, w.at_edge), w.narrow, w.wide)
+                for k in order for w in [segments[k][i]]]  # fmt: skip
+        shared = SimpleNamespace(
+            g_min=g_min, g_max=g_max, u=u[i], filter_rate=law.filters[i] if law.filters else ZERO, gain=abs(law.gain[i]),
+            limit=limit[i] if limit else u[i], shift=shift[i], rounding=law.rounding, e_max=task.e_max[i], rho=rho[i],
+            age=task.period + task.latency, lags=task.lags[i], slew=task.slew[i], nu=task.opposite[i], name=task.names[i],
+        )  # fmt: skip
+        path.prove(shared, rows, begins, (rows[0][1] / (1 + ratios[i]), task.latency), claims[i])
+    return bounds
+
+
 def prove(task: Any, tube: Tube, law: Law, rho: list[Fraction], shift: list[Fraction]) -> list[Fraction]:
     """Prove P9 window by window; a sample may stem from the window before. Return a bound on each |u_i|."""
     age, limit, r = task.period + task.latency, emitted_limits(task, law.bits), law.rounding
-    longest = task.t_c / tube.segments / (2 if task.latency else 1)
-    require(age <= longest, "P9 does not hold: a sample may be older than a segment")
-    for smallest, e, e_max, (a, b), x in zip(
-        start_ratios(task, tube, law.filters), rho, task.e_max, tube.start, task.state, strict=True
-    ):
+    require(age <= task.t_c / tube.segments, "P9 does not hold: a sample may be older than a segment")
+    for smallest, e, e_max in zip(start_ratios(task, tube, law.filters), rho, task.e_max, strict=True):
         require(smallest < e <= (1 + e_max) / (1 - e_max), "P9 does not hold: rho is not between the start share and e_max")
-        require(
-            abs(2 * x / tube.unit - a - b) <= task.share * (b - a), "P9 does not hold: initial_state is outside the start share"
-        )
     segments, largest = windows(task, tube, law.filters), [ZERO] * task.n
     for k, window in enumerate(segments):
         previous = segments[max(k - 1, 0)]
@@ -147,7 +148,7 @@ def prove(task: Any, tube: Tube, law: Law, rho: list[Fraction], shift: list[Frac
             crosses = to_middle <= (from_middle + g_max * u[i]) * age + shift[i]
             require(not crosses, f"P9 does not hold: x may pass the middle of the tube between two samples {where}")
             require(not limit or g_min * limit[i] > at_edge, f"P9 does not hold: u_max is too small {where}")
-            moved = ageing * age + g_max * u[i] * task.latency + shift[i]
+            moved = ageing * age + shift[i]
             for d in (narrow, wide):
                 a, b = d * rho[i] / (1 + rho[i]) - moved, d / (1 + rho[i]) + moved
                 is_kept = a > b and abs(law.gain[i]) * (1 - r) * g_min * (1 / a + 1 / b) * (logarithm(a / b)[0] - r) > at_edge

@@ -4,7 +4,7 @@ import hashlib
 import json
 import re
 import tomllib
-from decimal import Decimal
+from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -23,8 +23,9 @@ KNOWN_KEYS = {
     "region": f"name any_of axes {SET_KEYS}",
     "mission": "visit between stay then within never before patrol every until formula",
     "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
-    "control": "gain e_max u_max period latency outside velocity period_min saturate",
-    "emit": "scalar math tick_period selftest rust", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
+    "control": "gain rest reserve e_max u_max period latency outside velocity period_min saturate",
+    "emit": "scalar math tick_period selftest rust",
+    "plant": "order f_max w_max g_min g_max g_cross noise noise_v lag lag2 slew overshoot exact",
 }  # fmt: skip
 LISTS = ("unsafe", "region", "mission")
 
@@ -132,6 +133,7 @@ class Task:
         return target
 
     def _read_plant(self, plant: dict[str, Any], starts: dict[str, Any], tube: dict[str, Any]) -> None:
+        """Read the plant's order and bounds, its drives, and how it starts."""
         self.order, n = plant.get("order", 1), self.n
         self.share, self.speed = number(starts.get("share", Decimal("0.9"))), numbers(starts.get("speed", 0), n)
         if type(self.order) is not int or self.order not in (1, 2):
@@ -141,6 +143,14 @@ class Task:
         keys = KNOWN_KEYS["plant"].split()[1 : 6 + self.order]
         self.plant = {k: numbers(plant[k], n) if k in plant else None for k in keys}
         self.stated = {k: as_text(plant[k]) if k in plant else None for k in keys}  # as the certificate repeats it
+        self.drive = {k: numbers(plant[k], n) for k in ("lag", "lag2", "slew", "overshoot") if k in plant}
+        self.stated |= {k: as_text(plant[k]) for k in self.drive}
+        lags = [self.drive.get(k, [Fraction(0)] * n) for k in ("lag", "lag2")]
+        self.lags = [[t for t in pair if t] for pair in zip(*lags, strict=True)]  # seconds, by component
+        self.slew = self.drive.get("slew", [None] * n)
+        is_open = not any([*self.plant.values(), self.drive, plant.get("exact", False)]) and self.order == 1
+        self.assumes_plant = is_open and "period" in self.document.get("control", {})
+        self.opposite = [m / (1 - m) if m < 1 else m for m in self.drive.get("overshoot", [Fraction(0)] * n)]  # M + M^2 + ..
 
     def _read_law(self, control: dict[str, Any]) -> None:
         """Read what the task states about gain, limits and samples."""
@@ -148,9 +158,10 @@ class Task:
         self.period = number(control["period"]) if "period" in control else None
         self.latency = number(control.get("latency", 0))
         gain = control.get("gain", Decimal("0.5") if self.period is None else "auto")
-        self.gain = None if gain == "auto" else numbers(gain, n)
+        self.gain = None if gain in ("auto", "tight") else numbers(gain, n)
         self.e_max = numbers(control.get("e_max", Decimal("0.99")), n)
-        self.u_max = numbers(control["u_max"], n) if "u_max" in control else None
+        self.leaves_limit = control.get("u_max", None if self.period is None else "auto") == "auto"
+        self.u_max = numbers(control["u_max"], n) if "u_max" in control and not self.leaves_limit else None
         self.scales, self.outside = control.get("saturate", "clip") == "scale", control.get("outside", "return")
         self.differs = control.get("velocity", "measured") == "differences"
         self.shortest = None  # the least time between two samples, where v is by differences
@@ -163,8 +174,10 @@ class Task:
 
     def _refuse_contradictions(self, plant: dict[str, Any], control: dict[str, Any]) -> None:
         """Refuse values out of range, and combinations of which nothing is proved."""
-        bounds = [v for values in self.plant.values() for v in values or []]
+        drive = [v for values in self.drive.values() for v in values]
+        bounds = [*drive, *(v for values in self.plant.values() for v in values or [])]
         rates = [*(self.max_speed or []), *(self.max_acceleration or []), *(self.u_max or []), *(self.filter or [])]
+        rates += self.drive.get("slew", [])
         gains = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or [])]
         times = [v for v in (self.t_c, self.period, self.shortest, self.tick) if v is not None]
         has_mission, is_equal = "mission" in self.document, self.u_max is not None and len({*self.u_max}) == 1
@@ -173,6 +186,12 @@ class Task:
         for is_wrong, what in (
             (min([*times, self.share, *self.e_max, *rates, *gains]) <= 0, "a number that is not positive"),
             (max(self.share, *self.e_max) >= 1, "a share or an e_max that is not below 1"),
+            (max(self.drive.get("overshoot", [0])) >= 1, "an overshoot that is not below 1"),
+            (bool(drive) and self.period is None, "a drive where nothing is proved about it"),
+            (self.leaves_limit and self.period is None, "a u_max to be chosen without a period"),
+            (type(plant.get("exact", False)) is not bool, "an `exact` that is neither true nor false"),
+            (plant.get("exact") is True and any(self.plant[k] for k in ("f_max", "w_max", "g_min", "g_max", "g_cross")),
+             "an exact plant with bounds"),
             (min([self.clearance, self.latency, self.start_delay, *self.body, *self.speed, *bounds]) < 0, "a negative number"),
             (len({o.name for o in self.unsafe}) < len(self.unsafe), "two unsafe sets of one name"),
             (type(self.repeats) is not bool, "a `repeat` that is neither true nor false"),
@@ -185,13 +204,23 @@ class Task:
             (self.outside == "hold" and (self.order == 2 or self.moves or has_mission),
              "a tube that waits beside something that does not"),
             (control.get("velocity", "measured") not in ("measured", "differences"), "a `velocity` that is unknown here"),
-            (self.differs and (self.order == 1 or self.period is None or self.u_max is None or "noise_v" in plant
-                               or any(self.speed)), "a velocity by differences where nothing is proved about it"),
+            (self.differs and (self.order == 1 or self.period is None or "noise_v" in plant or any(self.speed)),
+             "a velocity by differences where nothing is proved about it"),
             ("period_min" in control and not self.differs, "a `period_min` for a velocity that is measured"),
             (self.differs and (self.shortest or 0) > (self.period or 0), "a `period_min` above its period"),
         ):  # fmt: skip
             if is_wrong:
                 raise Unusable(f"the task has {what}")
+
+    def assume_plant(self, speeds: list[Fraction]) -> None:
+        """Take the plant that is assumed where none is stated: g within a fifth of 1, and disturbances up to a tenth of the speed
+        of the tube's fastest edge by component, rounded up to three digits. speeds: of these edges."""
+        to_three_digits = Context(prec=3, rounding=ROUND_CEILING)
+        tenths = [(v / 10).as_integer_ratio() for v in speeds]
+        w_max = [Fraction(to_three_digits.divide(Decimal(p), Decimal(q))) for p, q in tenths]
+        bounds = {"w_max": w_max, "g_min": [Fraction(4, 5)] * self.n, "g_max": [Fraction(6, 5)] * self.n}
+        self.plant |= bounds
+        self.stated |= {"w_max": [str(v) for v in w_max], "g_min": "4/5", "g_max": "6/5"}
 
     @property
     def proves_limits(self) -> bool:
@@ -203,6 +232,11 @@ class Task:
     def start_share(self) -> Fraction:
         """The share of gamma(0) that covered starts are within: that of P9, or where the law is not clamped."""
         return min(self.e_max) if self.period is None else self.share
+
+    @property
+    def is_late(self) -> bool:
+        """Whether an input may act later than its sample, or otherwise than it is commanded."""
+        return self.latency > 0 or any(map(any, self.lags)) or any(self.slew) or any(self.opposite)
 
     def bounds(self, i: int) -> Bounds:
         """Return the plant bounds of component i. A missing g_min or g_max is 1, or the other one where 1 contradicts it."""

@@ -52,7 +52,7 @@ def generate(
     json: Json = False,
 ) -> None:
     """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
-    from stt_codegen.record import interface_of, sketch_notes
+    from stt_codegen.record import interface_of
 
     _require_compatible(out=out, record=record, package=package, theorem=theorem)
     controllers = _build_all(tasks, design=design, scalar=scalar, uncertified=uncertified, package=package)
@@ -62,7 +62,7 @@ def generate(
     written = []
     for (_, controller), files, folder in zip(controllers, contents, folders, strict=True):
         name = controller.task.name
-        for note in [*_notes(controller), *(sketch_notes(controller) if package in ("arduino", "platformio") else ())]:
+        for note in [*_notes(controller), *_package_notes(controller, package, plant)]:
             say(f"note: {name}: {note}")
         certified = controller.certificate.holds
         written.append({"task": name, "certified": certified, "folder": str(folder), "files": list(files)})
@@ -156,10 +156,11 @@ def _theorem_file(task: bytes, name: str, files: dict[str, bytes]) -> dict[str, 
 
 def _notes(controller: Any) -> Iterator[str]:
     """Yield what a refined tube's certificate does not prove, and what the task does not say: notes that `design` prints too."""
-    from stt_codegen.report import Analysis, task_notes
+    from stt_codegen.report import Analysis, control_notes, task_notes
 
     task = controller.task
     yield from task_notes(task)
+    yield from control_notes(task, None)
     yield from _set_notes(task)
     proves_periods = controller.design.capabilities.proves_periods
     if task.control.period is not None or not proves_periods or not controller.certificate.holds:
@@ -169,6 +170,16 @@ def _notes(controller: Any) -> Iterator[str]:
     if analysis.period is None:
         unproved.append(f"a sampling period, from every start with {analysis.starts}")
     yield from (f"not shown for {analysis.name}: {statement}; see `stt-codegen design`" for statement in unproved)
+
+
+def _package_notes(controller: Any, package: str | None, plant: str | None) -> Iterator[str]:
+    """Yield notes on a package: on the time of a sketch, and on a plant's unit that knows no drive."""
+    from stt_codegen.record import sketch_notes
+
+    if package in ("arduino", "platformio"):
+        yield from sketch_notes(controller)
+    if package == "fmu" and plant is not None and controller.task.has_drive:
+        yield "the plant's unit acts on u at once; put the first-order lag of [plant] between both units"
 
 
 def _set_notes(task: Any) -> Iterator[str]:

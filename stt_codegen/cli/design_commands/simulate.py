@@ -33,14 +33,15 @@ def simulate(
     rate: Annotated[
         float | None, typer.Option(metavar="HZ", help="samples a second (default: that of the task's period or tick, or 1000)")
     ] = None,
-    disturbance: Annotated[str, typer.Option(help="none, constant, sinusoidal, random, nearest or outward")] = "none",
+    disturbance: Annotated[str, typer.Option(help="none, constant, sinusoidal, random, nearest, outward or motion")] = "none",
     w_max: Annotated[float | None, typer.Option(min=0, help="bound on |w| (default: the plant's, or the task's)")] = None,
     noise: Noise = None,
     lost: Annotated[int, typer.Option(min=0, help="samples that may be lost in a row, at random")] = 0,
     latency: Latency = None,
     lag: Annotated[
-        float, typer.Option(min=0, metavar="SECONDS", help="u acts through a first-order lag, of which nothing is proved")
-    ] = 0.0,
+        float | None,
+        typer.Option(min=0, metavar="SECONDS", help="u acts through one first-order lag (default: the drives of [plant])"),
+    ] = None,
     clock: Annotated[
         str,
         typer.Option(help="error of the sets' clock: stated (none), early (behind by timing), late (ahead), or worst of nine"),

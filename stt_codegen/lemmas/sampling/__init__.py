@@ -11,4 +11,6 @@ __all__ = [
     "sampled_exact",
     "sampled_windows",
     "saturated",
+    "worst_path_evaluated",
+    "worst_path_theorem",
 ]

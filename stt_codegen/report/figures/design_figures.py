@@ -20,6 +20,7 @@ from stt_codegen.program.analyse import cost_of, table_bytes
 from stt_codegen.program.targets.c.runner import STRICT, find_compiler
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import SamplingReport, round_up
+from stt_codegen.report.figures.control_notes import choice_lines, control_notes
 from stt_codegen.report.notes import task_notes
 
 
@@ -41,13 +42,15 @@ class InputReport:
     """What the control law needs of actuators and clock.
 
     largest_u: |u| at the clamp where the tube is narrowest, None for an empty tube. sampling: what is proved about periods for
-    any plant within [plant], None where the tube is not certified. tick_period: in seconds.
+    any plant within [plant], None where the tube is not certified. tick_period: in seconds. chosen: sentences on the limit and
+    the gain that were chosen for the tube.
     """
 
     largest_u: float | None
     sampling: SamplingReport | None
     u_max: tuple[float, ...]
     tick_period: float | None
+    chosen: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,7 @@ class DesignReport:
 def design_report(controller: EmittedController, seconds: float) -> DesignReport:
     """Return the figures of a controller. seconds: how long its design took."""
     task, certificate, design = controller.task, controller.certificate, controller.design
-    cycle = None if certificate.mission is None else certificate.mission.cycle
+    cycle, inputs = None if certificate.mission is None else certificate.mission.cycle, input_report(controller)
     properties = tuple(
         CertifiedProperty(
             property=f.code,
@@ -137,12 +140,12 @@ def design_report(controller: EmittedController, seconds: float) -> DesignReport
         axes=task.axis_names,
         units=task.units or ("",) * task.dimension,
         properties=properties,
-        input=input_report(controller),
+        input=inputs,
         cost=cost_report(controller),
         picture=None,
         mission=() if certificate.mission is None else served_entries(task, certificate.mission),
         cycle=None if cycle is None else (float(cycle.begin), float(cycle.end)),
-        notes=task_notes(task),
+        notes=(*task_notes(task), *control_notes(task, inputs.largest_u)),
         start_left_out=tuple(
             round_up(float(max(low - a, b - high, Fraction(0))))
             for (low, high), a, b in zip(certificate.start, task.start.lower, task.start.upper, strict=True)
@@ -159,6 +162,7 @@ def input_report(controller: EmittedController) -> InputReport:
         Analysis(controller).sampling() if certificate.holds else None,
         tuple(float(u) for u in task.u_max or ()),
         None if task.emit.tick_period is None else float(task.emit.tick_period),
+        tuple(choice_lines(controller)),
     )
 
 

@@ -78,7 +78,9 @@ def trade_report(task: Task) -> TradeReport:
     for design in family(task):
         preferences_by_design.setdefault(design, [])
     gain = None if task.has_automatic_gain else task.control.gain
-    without_period = task.changed(control={"gain": gain, "period": None})  # P9 would refuse tubes whose period is shorter
+    u_max = None if task.has_automatic_limit else task.control.u_max
+    options = {"gain": gain, "u_max": u_max, "rest": None, "reserve": None, "period": None}
+    without_period = task.changed(control=options)  # P9 would refuse tubes whose period is shorter
     controllers = [
         (build_task(without_period, uncertified=True, tube=design), tuple(preferred))
         for design, preferred in preferences_by_design.items()

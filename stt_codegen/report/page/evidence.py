@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from stt_codegen.certify import Finding
+from stt_codegen.certify.sampled import drive_words
 from stt_codegen.checker import archive
 from stt_codegen.compare import ComparisonRow, compare_backend
 from stt_codegen.decimals import decimal
@@ -28,6 +29,7 @@ from stt_codegen.errors import SttError
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC, find_compiler
 from stt_codegen.properties import OF_THE_INPUT, Property
+from stt_codegen.report.figures import assumed_words
 from stt_codegen.report.page.bill_of_materials import library_calls
 from stt_codegen.report.page.misra import DEVIATIONS, count_deviations
 from stt_codegen.task import Task
@@ -306,8 +308,14 @@ def _unproved_of_the_plant(controller: EmittedController) -> Iterator[str]:
     """Yield what is assumed of plant, actuators, sensors and alpha."""
     task = controller.task
     stated = "the bounds of [plant]" if task.plant.is_stated else "what Theorem 4.1 asks of a plant"
+    if task.assumes_plant:
+        stated = f"bounds that are assumed, as the task has no [plant]: {assumed_words(task)}"
     yield f"That your plant is within {stated}, and that nothing else acts on it."
-    yield f"That there is no {'inertia or ' if task.order == 1 else ''}lag between u and what it moves."
+    if task.has_drive:
+        yield f"That what acts of u is as stated: {'; '.join(drive_words(task))}."
+        yield "That the drive does not saturate below control.u_max and does not wind up. The page's own plant acts at once."
+    else:
+        yield f"That there is no {'inertia or ' if task.order == 1 else ''}lag between u and what it moves."
     yield "That what you measure is the state" + (
         f", to {decimal(task.plant.noise)} at most." if task.plant.noise else ", without an error."
     )

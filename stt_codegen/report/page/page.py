@@ -20,12 +20,12 @@ from stt_codegen.plants import Model
 from stt_codegen.program.targets.template_files import template, template_folder
 from stt_codegen.properties import OF_THE_INPUT, Property
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.figures import DesignReport
+from stt_codegen.report.figures import DesignReport, assumed_words
 from stt_codegen.report.page.bill_of_materials import bill_of_materials, library_calls
 from stt_codegen.report.page.drive import DriveModule, compile_drive_module, default_plant, drive_settings
 from stt_codegen.report.page.evidence import Evidence, format_margin
 from stt_codegen.report.page.scene import scene
-from stt_codegen.report.sentences import sampling_lines
+from stt_codegen.report.sentences import Line, sampling_lines
 from stt_codegen.task import Task
 
 SCRIPT_NAMES = ("scene", "arena", "solid", "strips", "drive", "page")  # in this order: each uses names of those before it
@@ -75,7 +75,8 @@ def page(controller: EmittedController, report: DesignReport, evidence: Evidence
             files=[(name, len(text), hashlib.sha256(text).hexdigest()) for name, text in controller.files.items()],
             describe_visit=describe_visit,
             findings=[_finding_row(finding, controller) for finding in controller.certificate.findings],
-            sampling_lines=[] if sampling_report is None else list(sampling_lines(sampling_report, inputs.tick_period)),
+            sampling_lines=[Line(text) for text in inputs.chosen]
+            + ([] if sampling_report is None else list(sampling_lines(sampling_report, inputs.tick_period))),
             largest_u=inputs.largest_u,
             limits=f", and held within {by_component(task.u_max)} (u_max)" if task.u_max is not None else "",
             evidence=evidence,
@@ -112,8 +113,10 @@ def summary(controller: EmittedController) -> Summary:
 
 def _assumptions(task: Task, certificate: Certificate, calls_library: bool) -> str:
     """Return the assumptions by name, as one sentence."""
-    names = ["no inertia (plant.order = 1) and no lag" if task.order == 1 else "no lag"]
-    names.append("the bounds of [plant]" if task.plant.is_stated else "a plant as Theorem 4.1 has it")
+    lag = "drives as [plant] states them" if task.has_drive else "no lag"
+    names = [f"no inertia (plant.order = 1) and {lag}" if task.order == 1 else lag]
+    stated = "the bounds of [plant]" if task.plant.is_stated else "a plant as Theorem 4.1 has it"
+    names.append(f"a plant of which the task says nothing: {assumed_words(task)}" if task.assumes_plant else stated)
     names.append("what is measured is the state" + (f" to {decimal(task.plant.noise)}" if task.plant.noise else ""))
     proved_properties = {finding.subject for finding in certificate.findings if finding.holds}
     proved_sampling = f"samples as {Property.PERIOD.label} has them"

@@ -16,7 +16,7 @@ from stt_codegen.program.targets import targets_of
 from stt_codegen.task.added_names import ADDED_NAMES
 from stt_codegen.task.checks.mission_checks import mission_problem
 from stt_codegen.task.checks.set_checks import axes_problem, entries_problem, motion_problem, set_problem
-from stt_codegen.task.schema import PLANT_BOUNDS, TaskTables
+from stt_codegen.task.schema import DRIVE_BOUNDS, PLANT_BOUNDS, TaskTables
 from stt_codegen.task.sets import (
     Box,
     BoxSet,
@@ -85,7 +85,7 @@ def _full_length_fields(task: TaskTables) -> list[tuple[str, Sized]]:
     options: tuple[tuple[str, TomlTable, tuple[str, ...]], ...] = (
         ("control", task.control, ("gain", "e_max", "u_max")),
         ("tube", task.tube, ("max_speed", "max_acceleration", "filter")),
-        ("plant", task.plant, PLANT_BOUNDS),
+        ("plant", task.plant, (*PLANT_BOUNDS, *DRIVE_BOUNDS)),
         ("initial_set", task.initial_set, ("speed",)),
     )
     for title, table, names in options:
@@ -160,7 +160,7 @@ def _integers_problem(task: TaskTables) -> str | None:
         return f'emit.scalar: "fixed" is for {kinds} tubes; tube.design = "{task.tube.design}" takes "float" or "double"'
     if emit.tick_period is None:
         return 'emit.tick_period: is missing; with emit.scalar = "fixed" time is a count of ticks, say how many seconds one is'
-    if control.u_max is None:
+    if task.u_max is None and not task.has_automatic_limit:
         return 'control.u_max: is missing; with emit.scalar = "fixed" u counts parts of it, so say how large it may be'
     if control.period is not None and (control.period / emit.tick_period).denominator != 1:
         ticks = max(1, control.period // emit.tick_period)
@@ -181,6 +181,9 @@ def _integers_problem(task: TaskTables) -> str | None:
 
 def _plant_problem(task: TaskTables) -> str | None:
     """Return a message where a plant bound has a wrong sign or contradicts another, else None."""
+    stated = [name for name in PLANT_BOUNDS if getattr(task.plant, name) is not None]
+    if task.plant.exact and stated:
+        return f"plant.exact: is true, so f = w = 0 and g = 1; leave plant.{stated[0]} out, or exact"
     for name in PLANT_BOUNDS:
         value = getattr(task.plant, name)
         positive = name in ("g_min", "g_max")
@@ -188,11 +191,30 @@ def _plant_problem(task: TaskTables) -> str | None:
             if entry < 0 or (positive and not entry):
                 field = f"plant.{name}[{i}]" if isinstance(value, tuple) else f"plant.{name}"
                 return f"{field}: is {decimal(entry)}; it must be {'greater than 0' if positive else '0 or greater'}"
+    if problem := _drive_problem(task):
+        return problem
     if task.plant.g_min is not None and task.plant.g_max is not None:
         for i, b in enumerate(task.plant_bounds):
             if b.g_min > b.g_max:
                 low, high = (f"[{i}]" if isinstance(v, tuple) else "" for v in (task.plant.g_min, task.plant.g_max))
                 return f"plant.g_min{low}: is {decimal(b.g_min)}, above plant.g_max{high} = {decimal(b.g_max)}"
+    return None
+
+
+def _drive_problem(task: TaskTables) -> str | None:
+    """Return a message where a bound on a drive is out of range, or lacks what its proof needs, else None."""
+    for name in DRIVE_BOUNDS:
+        value = getattr(task.plant, name)
+        for i, entry in enumerate(value if isinstance(value, tuple) else () if value is None else (value,)):
+            field = f"plant.{name}[{i}]" if isinstance(value, tuple) else f"plant.{name}"
+            if entry < 0 or (name == "slew" and not entry):
+                return f"{field}: is {decimal(entry)}; it must be {'greater than 0' if name == 'slew' else '0 or greater'}"
+            if name == "overshoot" and entry >= 1:
+                return f"{field}: is {decimal(entry)}; it must be less than 1, a share of a step"
+        if value is None:
+            continue
+        if task.control.period is None:
+            return f"control.period: is missing; with plant.{name} a proof needs the time between samples"
     return None
 
 
@@ -226,9 +248,9 @@ def _velocity_problem(task: TaskTables) -> str | None:
     if not task.uses_differences:
         problem = "is for a velocity by differences; leave it out, or set control.velocity"
         return f"control.period_min: {problem}" if control.period_min is not None else None
-    for name, why in (("period", "over what time a difference is taken"), ("u_max", "how far the velocity turns in it")):
-        if getattr(control, name) is None:
-            return f'control.{name}: is missing; with control.velocity = "differences" it must be known {why}'
+    if control.period is None:
+        why = "it must be known over what time a difference is taken"
+        return f'control.period: is missing; with control.velocity = "differences" {why}'
     if control.period_min is not None and control.period_min > task.sampling_period:
         problem = f"is {decimal(control.period_min)}, above control.period = {decimal(task.sampling_period)}"
         return f"control.period_min: {problem}; use that or less"
@@ -248,10 +270,10 @@ def _scale_problem(task: TaskTables) -> str | None:
     control = task.control
     if control.u_max is None:
         return "which limits u by control.u_max; give it, or leave saturate out"
-    if len(set(task.u_max or ())) > 1 or len(set(task.gain)) > 1:
-        return "for which control.u_max and control.gain must be one number each"
     if control.period is not None:
         return 'of which nothing is shown for a sampled law; leave control.period out, or use "clip"'
+    if len(set(task.u_max or ())) > 1 or len(set(task.gain)) > 1:
+        return "for which control.u_max and control.gain must be one number each"
     if not task.tube.capabilities.scales_input or task.order == 2:
         return f'which is for the {kinds_offering("scales_input")} design and plants of order 1; use "clip"'
     if any(isinstance(v, tuple) for v in task.plant.bounds.values()):
@@ -338,8 +360,23 @@ def _control_problem(task: TaskTables) -> str | None:
         return f'control.saturate: is "scale", {problem}'
     if problem := _outside_problem(task):
         return f'control.outside: is "{control.outside}", {problem}'
-    if control.gain == "auto" and control.period is None:
-        return 'control.gain: is "auto", which needs control.period; give the seconds between samples, or a number'
+    return _choice_problem(task)
+
+
+def _choice_problem(task: TaskTables) -> str | None:
+    """Return a message where a gain or a limit is to be chosen and cannot be, or where an option of that choice has no use."""
+    control = task.control
+    if control.period is None:
+        for name in ("gain", "u_max"):
+            if isinstance(rule := getattr(control, name), str):
+                return f'control.{name}: is "{rule}", which needs control.period; give the seconds between samples, or a number'
+    is_gentle = task.has_automatic_gain and control.gain != "tight"
+    for name, is_read, rules in (
+        ("rest", is_gentle, 'control.gain is "auto"'),
+        ("reserve", is_gentle or task.has_automatic_limit, 'control.gain or control.u_max is "auto"'),
+    ):
+        if getattr(control, name) is not None and not is_read:
+            return f"control.{name}: is read where {rules}; leave it out, or let the tool choose"
     return None
 
 

@@ -5,8 +5,8 @@
  * The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
  * at rest in it; gamma(0) is in the certificate.
  * The state stays in it (P9) sampled every 0.006 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
- * w| <= [1.3, 3.1], [0.92, 0.7] <= g_ii <= [1.08, 1.32], |g_ij| <= [0.06, 0.56]: |e| of v + lambda x < [0.8001,
- * 0.8967], |u| <= [2.2, 6.8].
+ * w| <= [1.3, 3.1], [0.92, 0.7] <= g_ii <= [1.08, 1.32], |g_ij| <= [0.06, 0.56]: |e| of v + lambda x < [0.8023,
+ * 0.8669], |u| <= [2.2, 6.8].
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  */
@@ -82,7 +82,7 @@ static const arm_real arm_coefficients[140] = {
 
 /* Gain k of the control law, by component. */
 static const arm_real arm_gain[2] = {
-    0.0429F, 0.134F
+    0.0268F, 0.0843F
 };
 
 /* Saturation of u, by component. */

@@ -5,8 +5,8 @@
  * The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
  * at rest in it; gamma(0) is in the certificate.
  * The state stays in it (P9) sampled every 0.006 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
- * w| <= [1.3, 3.1], [0.92, 0.7] <= g_ii <= [1.08, 1.32], |g_ij| <= [0.06, 0.56]: |e| of v + lambda x < [0.8001,
- * 0.8967], |u| <= [2.2, 6.8].
+ * w| <= [1.3, 3.1], [0.92, 0.7] <= g_ii <= [1.08, 1.32], |g_ij| <= [0.06, 0.56]: |e| of v + lambda x < [0.8023,
+ * 0.8669], |u| <= [2.2, 6.8].
  *
  * Call arm_control once every period with the time since the start and the measured x and v. It keeps no state and
  * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
@@ -50,7 +50,7 @@ void arm_tube_rate(arm_real t, arm_real lower_rate[ARM_N], arm_real upper_rate[A
  */
 void arm_filtered_tube(arm_real t, arm_real lower[ARM_N], arm_real upper[ARM_N]);
 
-/* Control law (13), u = -k xi epsilon, k = [0.0429, 0.134], e clamped to [-0.99, 0.99] by component, u saturated.
+/* Control law (13), u = -k xi epsilon, k = [0.0268, 0.0843], e clamped to [-0.99, 0.99] by component, u saturated.
  * for v + lambda x in its tube, lambda = 0.600000024. t: seconds since the start (held within [0, t_c]);
  * x: state; v: its rate; u: input.
  * x by component: shoulder [rad], elbow [rad].

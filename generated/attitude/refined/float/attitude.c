@@ -6,7 +6,7 @@
  * at rest in it; gamma(0) is in the certificate.
  * The state stays in it (P9) sampled every 0.06 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
  * w| <= [0.045, 0.03, 0.04], 0.91 <= g_ii <= 1.09, |g_ij| <= [0.1, 0.03, 0.035], x measured to 0.0005, v measured to
- * 0.0005: |e| of v + lambda x < [0.8474, 0.8001, 0.8001], |u| <= [0.09, 0.06, 0.08].
+ * 0.0005: |e| of v + lambda x < [0.9021, 0.8401, 0.8667], |u| <= [0.09, 0.06, 0.08].
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  */
@@ -117,7 +117,7 @@ static const attitude_real attitude_coefficients[210] = {
 
 /* Gain k of the control law, by component. */
 static const attitude_real attitude_gain[3] = {
-    0.000301F, 0.000202F, 0.000255F
+    0.00012F, 0.000078F, 0.0000977F
 };
 
 /* Saturation of u, by component. */

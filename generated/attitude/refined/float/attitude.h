@@ -6,7 +6,7 @@
  * at rest in it; gamma(0) is in the certificate.
  * The state stays in it (P9) sampled every 0.06 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
  * w| <= [0.045, 0.03, 0.04], 0.91 <= g_ii <= 1.09, |g_ij| <= [0.1, 0.03, 0.035], x measured to 0.0005, v measured to
- * 0.0005: |e| of v + lambda x < [0.8474, 0.8001, 0.8001], |u| <= [0.09, 0.06, 0.08].
+ * 0.0005: |e| of v + lambda x < [0.9021, 0.8401, 0.8667], |u| <= [0.09, 0.06, 0.08].
  *
  * Call attitude_control once every period with the time since the start and the measured x and v. It keeps no state and
  * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
@@ -51,7 +51,7 @@ void attitude_tube_rate(attitude_real t, attitude_real lower_rate[ATTITUDE_N],
  */
 void attitude_filtered_tube(attitude_real t, attitude_real lower[ATTITUDE_N], attitude_real upper[ATTITUDE_N]);
 
-/* Control law (13), u = -k xi epsilon, k = [0.000301, 0.000202, 0.000255], e clamped to [-0.99, 0.99] by component, u saturated.
+/* Control law (13), u = -k xi epsilon, k = [0.00012, 7.8e-05, 9.77e-05], e clamped to [-0.99, 0.99] by component, u saturated.
  * for v + lambda x in its tube, lambda = 0.119999997. t: seconds since the start (held within [0, t_c]);
  * x: state; v: its rate; u: input.
  * x by component: roll [rad], pitch [rad], yaw [rad].

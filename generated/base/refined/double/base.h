@@ -6,8 +6,7 @@
  * at rest in it; gamma(0) is in the certificate.
  * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
  * w| <= [0.5, 0.53, 0.4], 0.85 <= g_ii <= 1.18, |g_ij| <= [0.05, 0.05, 0], x measured to 0.003, u 0.002 s after its
- * sample at most, the first at once, v measured to 0.01: |e| of v + lambda x < [0.8207, 0.8275, 0.8001], |u| <= [2.1,
- * 2.5, 1.1].
+ * sample at most, v measured to 0.01: |e| of v + lambda x < [0.8745, 0.8849, 0.8661], |u| <= [2.1, 2.5, 1.1].
  *
  * Call base_control once every period with the time since the start and the measured x and v. It keeps no state and
  * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
@@ -51,7 +50,7 @@ void base_tube_rate(base_real t, base_real lower_rate[BASE_N], base_real upper_r
  */
 void base_filtered_tube(base_real t, base_real lower[BASE_N], base_real upper[BASE_N]);
 
-/* Control law (13), u = -k xi epsilon, k = [0.358, 0.562, 0.112], e clamped to [-0.99, 0.99] by component, u saturated.
+/* Control law (13), u = -k xi epsilon, k = [0.0927, 0.144, 0.0285], e clamped to [-0.99, 0.99] by component, u saturated.
  * for v + lambda x in its tube, lambda = [1.4306640625, 1.359375, 1.009765625]. t: seconds since the start (held within [0, t_c]);
  * x: state; v: its rate; u: input.
  * x by component: x [m], y [m], heading [rad].

@@ -6,8 +6,7 @@
  * at rest in it; gamma(0) is in the certificate.
  * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
  * w| <= [0.5, 0.53, 0.4], 0.85 <= g_ii <= 1.18, |g_ij| <= [0.05, 0.05, 0], x measured to 0.003, u 0.002 s after its
- * sample at most, the first at once, v measured to 0.01: |e| of v + lambda x < [0.8207, 0.8275, 0.8001], |u| <= [2.1,
- * 2.5, 1.1].
+ * sample at most, v measured to 0.01: |e| of v + lambda x < [0.8745, 0.8842, 0.8667], |u| <= [2.1, 2.5, 1.1].
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  */
@@ -123,7 +122,7 @@ static const base_real base_filter[3] = {
 
 /* Gain k of the control law, by component. */
 static const base_real base_gain[3] = {
-    0.358F, 0.562F, 0.112F
+    0.0927F, 0.144F, 0.0285F
 };
 
 /* Saturation of u, by component. */

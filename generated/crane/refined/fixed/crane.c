@@ -473,17 +473,17 @@ static const uint8_t crane_h_shifts[72] CRANE_FLASH = {
 
 /* By component: the gain, 16 bits of it. */
 static const uint16_t crane_gains[2] CRANE_FLASH = {
-    34341, 33161
+    35861, 34603
 };
 
 /* The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row. */
 static const uint8_t crane_shift_offsets[2] CRANE_FLASH = {
-    16, 16
+    19, 19
 };
 
 /* The largest |u|. */
 static const int32_t crane_limits[2] CRANE_FLASH = {
-    25165824, 25165824
+    50331648, 50331648
 };
 
 /* Covered starts have x strictly above these bounds, by component. */

@@ -24,9 +24,9 @@ extern "C" {
 
 #define CRANE_N 2
 #define CRANE_X_BITS 18 /* x counts units of 2^-18, v as many a second: round to the nearest */
-#define CRANE_U_BITS 24 /* u counts units of 2^-24 */
+#define CRANE_U_BITS 25 /* u counts units of 2^-25 */
 #define CRANE_X(v) CRANE_UNITS(v, 262144.0) /* units of a constant in the task's: the compiler computes it */
-#define CRANE_U(v) CRANE_UNITS(v, 16777216.0)
+#define CRANE_U(v) CRANE_UNITS(v, 33554432.0)
 #define CRANE_UNITS(v, scale) ((int32_t)(((v) * (scale)) + (((v) < 0) ? -0.5 : 0.5)))
 #define CRANE_TICKS UINT32_C(2400) /* the first tick that is not before t_c = 12 s: count no farther */
 #define CRANE_TICKS_A_SECOND INT32_C(200)
@@ -50,7 +50,7 @@ void crane_tube(uint32_t tick, int32_t lower[CRANE_N], int32_t upper[CRANE_N]);
  */
 void crane_filtered_tube(uint32_t tick, int32_t lower[CRANE_N], int32_t upper[CRANE_N]);
 
-/* Control law (13), u = -k xi epsilon, k = [0.262, 0.253], e clamped to [-0.99, 0.99], u saturated,
+/* Control law (13), u = -k xi epsilon, k = [0.0171, 0.0165], e clamped to [-0.99, 0.99], u saturated,
  * for v + lambda x in its tube, lambda = [0.66162109375, 0.65380859375].
  * tick: periods of 0.005 s since the start (it must not wrap to 0: stop counting at t_c);
  * x: state; v: its rate; u: input.

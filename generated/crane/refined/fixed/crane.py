@@ -17,7 +17,7 @@ T_C = 12  # prescribed time, seconds
 TICK_PERIOD = 0.005  # seconds of one tick
 TICKS = 2400  # the first tick that is not before t_c
 X_BITS = 18  # x counts units of 2^-18
-U_BITS = 24  # u counts units of 2^-24
+U_BITS = 25  # u counts units of 2^-25
 SHARE = 0.8999999999999999  # 0.9, rounded down, of the tube's half widths at t = 0: the starts of `covered`
 DESIGN_HASH = "94579429cb9a0d6c"
 
@@ -373,17 +373,17 @@ H_SHIFTS = (
 
 # By component: the gain, 16 bits of it.
 GAINS = (
-    34341, 33161,
+    35861, 34603,
 )
 
 # The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row.
 SHIFT_OFFSETS = (
-    16, 16,
+    19, 19,
 )
 
 # The largest |u|.
 LIMITS = (
-    25165824, 25165824,
+    50331648, 50331648,
 )
 
 # Covered starts have x strictly above these bounds, by component.
@@ -611,7 +611,7 @@ def filtered_tube(tick):
 
 
 def control(tick, x, v):
-    """Control law (13), u = -k xi epsilon, k = [0.262, 0.253], e clamped to [-0.99, 0.99], u saturated,
+    """Control law (13), u = -k xi epsilon, k = [0.0171, 0.0165], e clamped to [-0.99, 0.99], u saturated,
     for v + lambda x in its tube, lambda = [0.66162109375, 0.65380859375].
     tick: periods of 0.005 s since the start (it must not wrap to 0: stop counting at t_c);
     x: state; v: its rate; u: input.

@@ -3,7 +3,7 @@
 //! Certified (crawler.certificate.json): for every t the tube keeps 0.05 from every
 //! unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
 //! The state stays in it (P9) sampled every 0.005 s or faster, from every start with |e(0)| <= 0.9, for |f +
-//! w| <= 0.1, g_ii = 1, |g_ij| <= 0: |e| < 0.9001, |u| <= [53.08, 57.58].
+//! w| <= 0.1, 0.95 <= g_ii <= 1.05, |g_ij| <= 0, x measured to 0.002: |e| < 0.9001, |u| <= 1.3.
 //!
 //! Call `control` once every period with the time since the start and the measured state.
 //! Nothing allocates, nothing is unsafe, no loop depends on data. Numbers in brackets are equations of Das and Jagtap, IEEE
@@ -28,7 +28,7 @@ pub const PERIOD_PROVED: Real = 0.004999999999999999;
 /// 0.9, rounded down, of the tube's half widths at t = 0: the starts of `covered`.
 pub const SHARE: Real = 0.8999999999999999;
 /// Log it: names this design.
-pub const DESIGN_HASH: &str = "1b263d7a26e7e82e";
+pub const DESIGN_HASH: &str = "dbb8a86162c3b17a";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
@@ -81,17 +81,22 @@ static COEFFICIENTS: [Real; 140] = [
 
 // Gain k of the control law, by component.
 static GAIN: [Real; 2] = [
-    0.578, 0.627,
+    0.0388, 0.0623,
+];
+
+// Saturation of u, by component.
+static U_MAX: [Real; 2] = [
+    1.2999999999999998, 1.2999999999999998,
 ];
 
 // Covered starts have x strictly above these bounds, by component.
 static START_LOWER: [Real; 2] = [
-    0.0500279426574716, 0.0500284194946298,
+    0.05202794265747159, 0.052028419494629795,
 ];
 
 // Covered starts have x strictly below these bounds, by component.
 static START_UPPER: [Real; 2] = [
-    0.9499730110168447, 0.9499734878540029,
+    0.9479730110168447, 0.9479734878540029,
 ];
 
 /// y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e.
@@ -309,7 +314,7 @@ pub fn tube_rate(t: Real) -> ([Real; 2], [Real; 2]) {
     (lower_rate, upper_rate)
 }
 
-/// Control law (13), u = -k xi epsilon, k = [0.578, 0.627], e clamped to [-0.99, 0.99] by component.
+/// Control law (13), u = -k xi epsilon, k = [0.0388, 0.0623], e clamped to [-0.99, 0.99] by component, u saturated.
 /// t: seconds since the start (held within [0, t_c]); x: state; u: input.
 /// OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
 /// (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
@@ -356,15 +361,21 @@ pub fn control(t: Real, x: &[Real; 2]) -> ([Real; 2], Status) {
         let to_farther: Real = width - to_nearer;
         let inside: bool = 0.0 < distance;
         let outside_next: bool = if inside { outside } else { true };
+        let u_limit: Real = U_MAX[i as usize];
         let (epsilon, xi) = self::transformed_error(to_nearer, to_farther);
         let u_i = self::law(gain, xi, epsilon);
-        u[i as usize] = u_i;
+        let u_min: Real = -u_limit;
+        let u_above: bool = u_min < u_i;
+        let u_raised: Real = if u_above { u_i } else { u_min };
+        let u_beyond: bool = u_limit < u_raised;
+        let u_limited: Real = if u_beyond { u_limit } else { u_raised };
+        u[i as usize] = u_limited;
         outside = outside_next;
     }
     (u, if outside { Status::OutsideTube } else { Status::Ok })
 }
 
-/// Control law (13), u = -k xi epsilon, k = [0.578, 0.627], e clamped to [-0.99, 0.99] by component.
+/// Control law (13), u = -k xi epsilon, k = [0.0388, 0.0623], e clamped to [-0.99, 0.99] by component, u saturated.
 /// tick: periods of 0.001 s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input.
 /// OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
 /// (0 where the tube is empty). BAD_INPUT: x has a NaN or an infinity; u is 0. u may be the array x itself.
@@ -410,9 +421,15 @@ pub fn control_tick(tick: u32, x: &[Real; 2]) -> ([Real; 2], Status) {
         let to_farther: Real = width - to_nearer;
         let inside: bool = 0.0 < distance;
         let outside_next: bool = if inside { outside } else { true };
+        let u_limit: Real = U_MAX[i as usize];
         let (epsilon, xi) = self::transformed_error(to_nearer, to_farther);
         let u_i = self::law(gain, xi, epsilon);
-        u[i as usize] = u_i;
+        let u_min: Real = -u_limit;
+        let u_above: bool = u_min < u_i;
+        let u_raised: Real = if u_above { u_i } else { u_min };
+        let u_beyond: bool = u_limit < u_raised;
+        let u_limited: Real = if u_beyond { u_limit } else { u_raised };
+        u[i as usize] = u_limited;
         outside = outside_next;
     }
     (u, if outside { Status::OutsideTube } else { Status::Ok })
@@ -498,7 +515,7 @@ pub fn margins(t: Real, x: &[Real; 2]) -> [Real; 2] {
 
 /// Whether the proof of the sampling period (P9) covers a start at the measured x:
 /// every component of x is within 0.9 of the tube's half width about its middle at t = 0.
-/// What a measurement may be wrong by (rounding) is taken off.
+/// What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
 /// Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
 /// from where it stands. False for a NaN.
 #[must_use]

@@ -3,7 +3,7 @@
  * Certified (crawler.certificate.json): for every t the tube keeps 0.05 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
  * The state stays in it (P9) sampled every 0.005 s or faster, from every start with |e(0)| <= 0.9, for |f +
- * w| <= 0.1, g_ii = 1, |g_ij| <= 0: |e| < 0.9001, |u| <= [53.1, 57.6].
+ * w| <= 0.1, 0.95 <= g_ii <= 1.05, |g_ij| <= 0, x measured to 0.002: |e| < 0.9001, |u| <= 1.3.
  *
  * Call crawler_control once every period with the time since the start and the measured state. It keeps no state and
  * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
@@ -27,7 +27,7 @@ typedef float crawler_real;
 #define CRAWLER_TICKS 6000U /* the first tick that is not before t_c: count no farther */
 #define CRAWLER_PERIOD_PROVED 0.005F /* seconds between samples, at most: from which starts, see above (P9) */
 #define CRAWLER_SHARE 0.9F /* 0.9 of the half widths at t = 0, rounded down: for crawler_covered */
-#define CRAWLER_DESIGN_HASH "6b77fe7992b32820" /* log it: names this design */
+#define CRAWLER_DESIGN_HASH "c377fc1be17d5f0b" /* log it: names this design */
 
 typedef enum {
     CRAWLER_OK = 0,
@@ -45,14 +45,14 @@ void crawler_tube(crawler_real t, crawler_real lower[CRAWLER_N], crawler_real up
  */
 void crawler_tube_rate(crawler_real t, crawler_real lower_rate[CRAWLER_N], crawler_real upper_rate[CRAWLER_N]);
 
-/* Control law (13), u = -k xi epsilon, k = [0.578, 0.627], e clamped to [-0.99, 0.99] by component.
+/* Control law (13), u = -k xi epsilon, k = [0.0388, 0.0623], e clamped to [-0.99, 0.99] by component, u saturated.
  * t: seconds since the start (held within [0, t_c]); x: state; u: input.
  * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
  * (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
  */
 crawler_status crawler_control(crawler_real t, const crawler_real x[CRAWLER_N], crawler_real u[CRAWLER_N]);
 
-/* Control law (13), u = -k xi epsilon, k = [0.578, 0.627], e clamped to [-0.99, 0.99] by component.
+/* Control law (13), u = -k xi epsilon, k = [0.0388, 0.0623], e clamped to [-0.99, 0.99] by component, u saturated.
  * tick: periods of 0.001 s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input.
  * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
  * (0 where the tube is empty). BAD_INPUT: x has a NaN or an infinity; u is 0. u may be the array x itself.
@@ -72,7 +72,7 @@ void crawler_margins(crawler_real t, const crawler_real x[CRAWLER_N], crawler_re
 
 /* Whether the proof of the sampling period (P9) covers a start at the measured x:
  * every component of x is within 0.9 of the tube's half width about its middle at t = 0.
- * What a measurement may be wrong by (rounding) is taken off.
+ * What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
  * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
  * from where it stands. False for a NaN.
  */

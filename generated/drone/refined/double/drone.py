@@ -5,8 +5,8 @@ unsafe set, stays in the state space, is at least 0.05 wide, and ends in the tar
 The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
 at rest in it; gamma(0) is in the certificate.
 The state stays in it (P9) sampled every 0.025 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
-w| <= 0.35, 0.95 <= g_ii <= 1.05, |g_ij| <= 0, x measured to 0.005, u 0.004 s after its sample at most, the first
-at once, v measured to 0.02: |e| of v + lambda x < 0.8001, |u| <= 2.5.
+w| <= 0.35, 0.95 <= g_ii <= 1.05, |g_ij| <= 0, x measured to 0.005, u 0.004 s after its sample at most, v measured
+to 0.02: |e| of v + lambda x < [0.9343, 0.9343, 0.9374], |u| <= 2.5.
 
 The same functions as drone.c (double precision there) in double arithmetic on the same constants.
 Arrays come in as sequences of 3 numbers and go out as tuples.
@@ -107,7 +107,7 @@ FILTER = (
 
 # Gain k of the control law, by component.
 GAIN = (
-    0.383, 0.383, 0.154,
+    0.0525, 0.0525, 0.027,
 )
 
 # Saturation of u, by component.
@@ -343,7 +343,7 @@ def filtered_tube(t):
 
 
 def control(t, x, v):
-    """Control law (13), u = -k xi epsilon, k = [0.383, 0.383, 0.154], e clamped to [-0.99, 0.99] by component, u saturated.
+    """Control law (13), u = -k xi epsilon, k = [0.0525, 0.0525, 0.027], e clamped to [-0.99, 0.99] by component, u saturated.
     for v + lambda x in its tube, lambda = [0.98046875, 0.98046875, 0.78564453125]. t: seconds since the start (held within [0, t_c]);
     x: state; v: its rate; u: input.
     x by component: x [m], y [m], z [m].

@@ -466,12 +466,12 @@ static const uint8_t gantry_h_shifts[72] GANTRY_FLASH = {
 
 /* By component: the gain, 16 bits of it. */
 static const uint16_t gantry_gains[2] GANTRY_FLASH = {
-    58196, 58196
+    36658, 36658
 };
 
 /* The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row. */
 static const uint8_t gantry_shift_offsets[2] GANTRY_FLASH = {
-    14, 14
+    18, 18
 };
 
 /* The largest |u|. */

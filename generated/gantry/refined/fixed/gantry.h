@@ -42,7 +42,7 @@ typedef enum {
  */
 void gantry_tube(uint32_t tick, int32_t lower[GANTRY_N], int32_t upper[GANTRY_N]);
 
-/* Control law (13), u = -k xi epsilon, k = 0.111, e clamped to [-0.99, 0.99], u saturated.
+/* Control law (13), u = -k xi epsilon, k = 0.00437, e clamped to [-0.99, 0.99], u saturated.
  * tick: periods of 0.001 s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input.
  * x by component: x [m], y [m].
  * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law and points inward.

@@ -366,12 +366,12 @@ H_SHIFTS = (
 
 # By component: the gain, 16 bits of it.
 GAINS = (
-    58196, 58196,
+    36658, 36658,
 )
 
 # The product e H/d times the gain is shifted down by this, less the shifts of d and of H's row.
 SHIFT_OFFSETS = (
-    14, 14,
+    18, 18,
 )
 
 # The largest |u|.
@@ -529,7 +529,7 @@ def tube(tick):
 
 
 def control(tick, x):
-    """Control law (13), u = -k xi epsilon, k = 0.111, e clamped to [-0.99, 0.99], u saturated.
+    """Control law (13), u = -k xi epsilon, k = 0.00437, e clamped to [-0.99, 0.99], u saturated.
     tick: periods of 0.001 s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input.
     x by component: x [m], y [m].
     OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law and points inward.

@@ -3,8 +3,8 @@
 Certified (rover.certificate.json): for every t the tube keeps 0.03 from every
 unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
 The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9, for |f + w| <= 0.1,
-0.99 <= g_ii <= 1.01, |g_ij| <= 0.1, x measured to 0.005, u 0.002 s after its sample at most, the first at once:
-|e| < 0.9001, |u| <= 0.8.
+0.99 <= g_ii <= 1.01, |g_ij| <= 0.1, x measured to 0.005, u 0.002 s after its sample at most: |e| < [0.9118,
+0.9105], |u| <= 0.8.
 
 The same functions as rover.c (double precision there) in double arithmetic on the same constants.
 Arrays come in as sequences of 2 numbers and go out as tuples.
@@ -61,6 +61,11 @@ COEFFICIENTS = (
     1.019801139831543, 1.0666618347167969, 0.6096248626708984, 0.6564855575561523,
     1.019801139831543, 1.0666618347167969, 0.6451950073242188, 0.6920557022094727,
     1.019801139831543, 1.0666618347167969, 0.6096248626708984, 0.6564855575561523,
+)
+
+# Gain k of the control law, by component.
+GAIN = (
+    0.0109, 0.0155,
 )
 
 # Saturation of u, by component.
@@ -249,7 +254,7 @@ def tube_rate(t):
 
 
 def control(t, x):
-    """Control law (13), u = -k xi epsilon, k = 0.175, e clamped to [-0.99, 0.99] by component, u saturated.
+    """Control law (13), u = -k xi epsilon, k = [0.0109, 0.0155], e clamped to [-0.99, 0.99] by component, u saturated.
     t: seconds since the start (held within [0, t_c]); x: state; u: input.
     x by component: x [m], y [m].
     OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
@@ -281,12 +286,14 @@ def control(t, x):
         lower_edge = _edge_at(lower_at, w0, w1, w2, w3)
         upper_edge = _edge_at(upper_at, w0, w1, w2, w3)
         x_i = x[i]
+        gain_i = GAIN[i]
+        gain_minus = -gain_i
         width = upper_edge - lower_edge
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
         upper_nearer = to_upper < to_lower
         distance = to_upper if upper_nearer else to_lower
-        gain = -0.175 if upper_nearer else 0.175
+        gain = gain_minus if upper_nearer else gain_i
         smallest = width * 0.005
         clear = smallest < distance
         to_nearer = distance if clear else smallest

@@ -3,8 +3,8 @@
  * Certified (rover.certificate.json): for every t the tube keeps 0.03 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
  * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9, for |f + w| <= 0.1,
- * 0.99 <= g_ii <= 1.01, |g_ij| <= 0.1, x measured to 0.005, u 0.002 s after its sample at most, the first at once:
- * |e| < 0.9001, |u| <= 0.8.
+ * 0.99 <= g_ii <= 1.01, |g_ij| <= 0.1, x measured to 0.005, u 0.002 s after its sample at most: |e| < [0.9119,
+ * 0.9105], |u| <= 0.8.
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  */
@@ -76,6 +76,11 @@ static const rover_real rover_coefficients[140] = {
     1.0198011F, 1.0666618F, 0.60962486F, 0.65648556F,
     1.0198011F, 1.0666618F, 0.645195F, 0.6920557F,
     1.0198011F, 1.0666618F, 0.60962486F, 0.65648556F
+};
+
+/* Gain k of the control law, by component. */
+static const rover_real rover_gain[2] = {
+    0.0109F, 0.0155F
 };
 
 /* Saturation of u, by component. */
@@ -310,12 +315,14 @@ rover_status rover_control(rover_real t, const rover_real x[ROVER_N], rover_real
         const rover_real lower_edge = rover_edge_at(lower_at, w0, w1, w2, w3);
         const rover_real upper_edge = rover_edge_at(upper_at, w0, w1, w2, w3);
         const rover_real x_i = x[i];
+        const rover_real gain_i = rover_gain[i];
+        const rover_real gain_minus = -gain_i;
         const rover_real width = upper_edge - lower_edge;
         const rover_real to_lower = x_i - lower_edge;
         const rover_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
         const rover_real distance = upper_nearer ? to_upper : to_lower;
-        const rover_real gain = upper_nearer ? (-0.175F) : 0.175F;
+        const rover_real gain = upper_nearer ? gain_minus : gain_i;
         const rover_real smallest = width * 0.005F;
         const bool clear = smallest < distance;
         const rover_real to_nearer = clear ? distance : smallest;

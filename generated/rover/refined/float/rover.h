@@ -3,8 +3,8 @@
  * Certified (rover.certificate.json): for every t the tube keeps 0.03 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
  * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9, for |f + w| <= 0.1,
- * 0.99 <= g_ii <= 1.01, |g_ij| <= 0.1, x measured to 0.005, u 0.002 s after its sample at most, the first at once:
- * |e| < 0.9001, |u| <= 0.8.
+ * 0.99 <= g_ii <= 1.01, |g_ij| <= 0.1, x measured to 0.005, u 0.002 s after its sample at most: |e| < [0.9119,
+ * 0.9105], |u| <= 0.8.
  *
  * Call rover_control once every period with the time since the start and the measured state. It keeps no state and
  * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
@@ -43,7 +43,7 @@ void rover_tube(rover_real t, rover_real lower[ROVER_N], rover_real upper[ROVER_
  */
 void rover_tube_rate(rover_real t, rover_real lower_rate[ROVER_N], rover_real upper_rate[ROVER_N]);
 
-/* Control law (13), u = -k xi epsilon, k = 0.175, e clamped to [-0.99, 0.99] by component, u saturated.
+/* Control law (13), u = -k xi epsilon, k = [0.0109, 0.0155], e clamped to [-0.99, 0.99] by component, u saturated.
  * t: seconds since the start (held within [0, t_c]); x: state; u: input.
  * x by component: x [m], y [m].
  * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward

@@ -3,8 +3,8 @@
  * Certified (trolley.certificate.json): for every t the tube keeps 0.05 from every
  * unsafe set, stays in the state space, is at least 0.2 wide, and ends in the target set.
  * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9, for |f +
- * w| <= 0.15, 0.9 <= g_ii <= 1.1, |g_ij| <= 0.05, x measured to 0.002, u 0.002 s after its sample at most, the first
- * at once: |e| < 0.9001, |u| <= 2.
+ * w| <= 0.15, 0.9 <= g_ii <= 1.1, |g_ij| <= 0.05, x measured to 0.002, u 0.002 s after its sample at most:
+ * |e| < [0.9117, 0.9138], |u| <= 2.
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  */
@@ -80,7 +80,7 @@ static const trolley_real trolley_coefficients[140] = {
 
 /* Gain k of the control law, by component. */
 static const trolley_real trolley_gain[2] = {
-    0.178, 0.168
+    0.0384, 0.0252
 };
 
 /* Saturation of u, by component. */

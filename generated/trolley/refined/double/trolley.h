@@ -3,8 +3,8 @@
  * Certified (trolley.certificate.json): for every t the tube keeps 0.05 from every
  * unsafe set, stays in the state space, is at least 0.2 wide, and ends in the target set.
  * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9, for |f +
- * w| <= 0.15, 0.9 <= g_ii <= 1.1, |g_ij| <= 0.05, x measured to 0.002, u 0.002 s after its sample at most, the first
- * at once: |e| < 0.9001, |u| <= 2.
+ * w| <= 0.15, 0.9 <= g_ii <= 1.1, |g_ij| <= 0.05, x measured to 0.002, u 0.002 s after its sample at most:
+ * |e| < [0.9117, 0.9138], |u| <= 2.
  *
  * Call trolley_control once every period with the time since the start and the measured state. It keeps no state and
  * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
@@ -43,7 +43,7 @@ void trolley_tube(trolley_real t, trolley_real lower[TROLLEY_N], trolley_real up
  */
 void trolley_tube_rate(trolley_real t, trolley_real lower_rate[TROLLEY_N], trolley_real upper_rate[TROLLEY_N]);
 
-/* Control law (13), u = -k xi epsilon, k = [0.178, 0.168], e clamped to [-0.99, 0.99] by component, u saturated.
+/* Control law (13), u = -k xi epsilon, k = [0.0384, 0.0252], e clamped to [-0.99, 0.99] by component, u saturated.
  * t: seconds since the start (held within [0, t_c]); x: state; u: input.
  * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
  * (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.

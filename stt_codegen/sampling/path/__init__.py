@@ -1,0 +1,44 @@
+"""The worst path: sampling, latency, lag, slew and overshoot proved by one falling curve, in whole numbers and without NumPy.
+
+docs/sampling-path.md has the theorem and its proof.
+"""
+
+from stt_codegen.sampling.path.drive_response import Drive, DriveCells
+from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
+from stt_codegen.sampling.path.path_gain import (
+    choose_path_gain,
+    proved_disturbance_factor,
+    proved_period_factor,
+    reserve_of_gain,
+    resting_gain,
+    with_gain,
+)
+from stt_codegen.sampling.path.path_proof import PathProof, prove_path, prove_path_for
+from stt_codegen.sampling.path.path_search import largest_drive_factor, longest_path_period
+from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, Row
+from stt_codegen.sampling.path.worst_path import PathBounds, Start, WorstPath, follow_worst_path
+
+__all__ = [
+    "LOG_BITS",
+    "ComponentLaw",
+    "Drive",
+    "DriveCells",
+    "PathBounds",
+    "PathLoop",
+    "PathProof",
+    "Row",
+    "Start",
+    "WorstPath",
+    "choose_path_gain",
+    "follow_worst_path",
+    "largest_drive_factor",
+    "log_bounds",
+    "longest_path_period",
+    "prove_path",
+    "prove_path_for",
+    "proved_disturbance_factor",
+    "proved_period_factor",
+    "reserve_of_gain",
+    "resting_gain",
+    "with_gain",
+]
