@@ -129,7 +129,10 @@ def show_trade(report: TradeReport) -> None:
         period, gain = ("none", "") if t.period is None or t.gain is None else (format_time(t.period), by_component(t.gain))
         table.add_row(f"{t.smallest_width:.4g}", f"{t.speed:.4g}", period, gain, ", ".join(t.preferred))
     console.print(table)
-    console.print("  periods: at control.gain, or the longest of the gains tried, for the plant and the starts of the task")
+    if report.has_drive:
+        _indented(console, "periods: with the task's drive, at its gain or the one that is chosen for its period")
+    else:
+        console.print("  periods: at control.gain, or the longest of the gains tried, for the plant and the starts of the task")
     if report.picture is not None:
         console.print(f"  picture: {report.picture}")
 

@@ -28,7 +28,7 @@ from stt_codegen.design.refusals import explain_refusal
 from stt_codegen.design.spline_tubes import MANY_OBSTACLES, SplineTube, TubeSearch, segment_counts_of, smoothest_tube
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.sampling import LIMIT_FACTORS, Gains, balancing_gain, condition_kinds_of, limits_for, loop_of
+from stt_codegen.sampling import LIMIT_FACTORS, Gains, SampledLoop, balancing_gain, condition_kinds_of, limits_for, loop_of
 from stt_codegen.task import Task, with_assumed_plant
 
 SPEED_CAPS = (2, 1, 4, 16)  # times the speed needed without bounds by component: the limits that are tried, in this order
@@ -132,12 +132,17 @@ def _preferred_tube(task: Task, search: TubeSearch) -> SplineTube | None:
     """Return the tube that tube.prefer asks for, of all that are found."""
     has_many_obstacles = len(search.arena.names) > MANY_OBSTACLES
     balanced = search.find_among_many_obstacles() if has_many_obstacles else search.find_widest()
-    if task.tube.prefer == "balanced":
+    if _preference(task) == "balanced":
         return balanced
     tubes = [] if balanced is None or not search.meets_speed_limits(balanced) else [balanced]
     # without the cache these are the same tubes whatever was solved before
     tubes += _tubes_of_other_widths(without_solver_cache(search))
     return _choose_preferred(task, search, tubes)
+
+
+def _preference(task: Task) -> str:
+    """Return tube.prefer; where it is left open and the drive lags, "period", since many tubes are too fast for a slow drive."""
+    return "period" if task.has_drive and "prefer" not in task.tube.model_fields_set else task.tube.prefer
 
 
 def _tubes_of_other_widths(search: TubeSearch) -> list[SplineTube]:
@@ -151,10 +156,12 @@ def _choose_preferred(task: Task, search: TubeSearch, tubes: list[SplineTube]) -
     """Return the tube that tube.prefer asks for; the first of equals."""
     if not tubes:
         return None
-    if task.tube.prefer == "period":
+    preference = _preference(task)
+    if preference == "period":
         allowance = Fraction(search.arena.allowance) * Fraction(search.arena.length_unit)
-        return max(tubes, key=lambda tube: _longest_period(task, _round_and_filter(task, search, tube), allowance))
-    if task.tube.prefer == "wide":
+        seconds = _crossing_time if task.has_drive else _longest_period
+        return max(tubes, key=lambda tube: seconds(task, _round_and_filter(task, search, tube), allowance))
+    if preference == "wide":
         return max(tubes, key=lambda tube: (tube.width.min(), -tube.speed))
     slow = [tube for tube in tubes if tube.speed <= SLOWEST_TOLERANCE * min(t.speed for t in tubes)]
     return max(slow, key=lambda tube: tube.width.min())
@@ -164,18 +171,34 @@ def _round_and_filter(task: Task, search: TubeSearch, tube: SplineTube) -> Refin
     return with_filter(task, round_design(task, smoothest_tube(search.arena, search.start, tube)))
 
 
+def _crossing_time(task: Task, design: RefinedDesign, allowance: Fraction) -> float:
+    """Return the least width over closing speed of any window and component, in seconds; a proved lag is a part of it.
+
+    allowance: as in `_longest_period`.
+    """
+    _, loop = _loop(task, design, allowance)
+    with np.errstate(divide="ignore"):
+        return float((loop.windows.narrow / loop.closing_speed).min())
+
+
+def _loop(task: Task, design: RefinedDesign, allowance: Fraction) -> tuple[Task, SampledLoop]:
+    """Return the task with the plant and the limit that it leaves open, and its loop with this tube."""
+    edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
+    task = with_assumed_plant(task, design.edge_speed_bounds())
+    if task.has_automatic_limit:
+        unlimited = loop_of(task.with_choices(u_max=(Fraction(1),) * task.dimension), design, edge, rate)
+        task = task.with_choices(u_max=limits_for(unlimited, LIMIT_FACTORS[0]))
+    return task, loop_of(task, design, edge, rate)
+
+
 def _longest_period(task: Task, design: RefinedDesign, allowance: Fraction) -> float:
     """Return the longest sampling period, in seconds, that is proved for the plant bounds and the start share.
 
     It is at the task's gain, or over all gains where that is left open; 0 where there is none. allowance: for the arithmetic,
     whose error is not derived yet.
     """
-    edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
-    task = with_assumed_plant(task, design.edge_speed_bounds())
-    if task.has_automatic_limit:
-        unlimited = loop_of(task.with_choices(u_max=(Fraction(1),) * task.dimension), design, edge, rate)
-        task = task.with_choices(u_max=limits_for(unlimited, LIMIT_FACTORS[0]))
-    loop, kinds = loop_of(task, design, edge, rate), condition_kinds_of(task)
+    task, loop = _loop(task, design, allowance)
+    kinds = condition_kinds_of(task)
     if task.control.gain is None or task.has_automatic_gain:
         best = Gains(loop, balancing_gain(loop), kinds=kinds).with_longest_period
         return 0.0 if best is None else best.period.seconds

@@ -144,7 +144,8 @@ class LoopAnalysis:
         if self.controller.task.assumes_plant:
             return "the plant that is assumed"
         if self.controller.task.plant.is_stated:
-            return "[plant] of the task"
+            drive = ", but with a drive that acts at once," if self.controller.task.has_drive else ""
+            return f"[plant] of the task{drive}"
         return "xdot = u" if self.controller.task.gain[0] > 0 else "xdot = -u"
 
     # ------------------------------------------------------------------------------------ sampled control
@@ -185,9 +186,7 @@ class LoopAnalysis:
                 f"samples are at least {decimal(task.shortest_period)} s apart, and their distance is measured exactly"
             )
         if task.has_drive:
-            assumptions.append(
-                f"periods and gains here are for a drive that acts at once; {Property.PERIOD.label} has the task's"
-            )
+            assumptions.append(f"the task's drive is in {Property.PERIOD.label} alone")
         if self.state_is_outside:
             assumptions.append(
                 "the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows"

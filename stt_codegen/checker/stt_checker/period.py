@@ -115,7 +115,8 @@ def prove_paths(task: Any, tube: Tube, law: Law, claims: Any, numbers: tuple[lis
         narrowest = min(window[i].narrow for window in segments)
         bounds.append(largest_input(task, law, i, farthest_position(task, i, narrowest, rho[i], shift[i])))
         require(ratios[i] < rho[i] and g_min <= g_max, "P9 does not hold: rho is not above the start share, or g_min above g_max")
-        rows = [(force + max(segments[max(k - 1, 0)][i].at_edge, w.at_edge), w.narrow, w.wide)
+        smallest = (force + max(window[i].at_edge for window in segments)) / 50 or g_max * u[i] / 256  # so that every path ends
+        rows = [(max(smallest, force + max(segments[max(k - 1, 0)][i].at_edge, w.at_edge)), w.narrow, w.wide)
                 for k in order for w in [segments[k][i]]]  # fmt: skip
         shared = SimpleNamespace(
             g_min=g_min, g_max=g_max, u=u[i], filter_rate=law.filters[i] if law.filters else ZERO, gain=abs(law.gain[i]),

@@ -11,7 +11,7 @@ from stt_codegen.decimals import above, by_component, decimal
 from stt_codegen.designs import require_refined
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.sampling import exact_loop, loop_of, needed_input, path_loop_of
-from stt_codegen.sampling.path import PathLoop, proved_disturbance_factor, proved_period_factor, resting_gain
+from stt_codegen.sampling.path import PathLoop, proved_disturbance_factor, proved_drive_factor, proved_period_factor, resting_gain
 from stt_codegen.task import Task
 
 REFERENCE_ERROR = Fraction(1, 2)  # |e| at which the resting gain is computed once
@@ -39,8 +39,11 @@ def _gain_line(task: Task, loop: PathLoop) -> str:
     forces = [bounds.force for bounds in task.plant_bounds]
     factors = [(proved_disturbance_factor(loop, forces), "disturbance")] if any(forces) else []
     factors.append((proved_period_factor(loop, task.sampling_period), "period"))
+    if task.has_drive:
+        factors.append((proved_drive_factor(loop), "delay of the drive"))
     is_proved = all(factor for factor, _ in factors)  # by the worst path; else by the sharp conditions, with no reserve known
-    proved = " and ".join(f"{_factor(factor)} times the {word}" for factor, word in factors)
+    *others, last = [f"{_factor(factor)} times the {word}" for factor, word in factors]
+    proved = f"{', '.join(others)} and {last}" if others else last
     line = f"gain {by_component(gain)}: rests within |e| {above(Fraction(resting_error), 2):g}"
     line += f", proved for {proved}" if is_proved else ""
     if not (task.plant.noise or task.plant.noise_v):

@@ -8,6 +8,7 @@ from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
 from stt_codegen.sampling.path.path_gain import (
     choose_path_gain,
     proved_disturbance_factor,
+    proved_drive_factor,
     proved_period_factor,
     reserve_of_gain,
     resting_gain,
@@ -37,6 +38,7 @@ __all__ = [
     "prove_path",
     "prove_path_for",
     "proved_disturbance_factor",
+    "proved_drive_factor",
     "proved_period_factor",
     "reserve_of_gain",
     "resting_gain",

@@ -37,7 +37,7 @@ def choose_path_gain(
 
     Where none is, it is the smallest one with the largest part of the reserve. disturbance: the bound on |f + w| by component, of
     which the reserve is a multiple. Where inputs are coupled, all components have one multiple. None where no gain that is tried
-    is proved. A component that nothing moves has a gain that is not proved here, for its path does not end.
+    is proved.
     """
     if any(any(row.cross) for rows in loop.rows for row in rows):
         return _choose_for(loop, disturbance, resting_error, reserve)
@@ -51,17 +51,18 @@ def choose_path_gain(
 def _choose_for(loop: PathLoop, disturbance: Sequence[Fraction], resting_error: Fraction, reserve: Fraction) -> PathGain | None:
     """Choose one multiple for all components of a loop."""
     resting = [resting_gain(loop, i, resting_error) for i in range(loop.n)]
-    if not any(row.closing_speed for rows in loop.rows for row in rows):
-        return PathGain(tuple(Fraction(str(above(k, GAIN_DIGITS))) for k in resting), reserve)
     for multiples in (MULTIPLES, LAST_MULTIPLES):
         gains = [tuple(Fraction(str(above(multiple * k, GAIN_DIGITS))) for k in resting) for multiple in multiples]
         for smaller_reserve in _reserves_below(reserve):
-            for gain in list(gains):
+            for gain in gains:
                 if not _is_proved_with(loop, gain, disturbance, smaller_reserve):
                     continue
-                if smaller_reserve == 1 or prove_path(with_gain(loop, gain)) is not None:
-                    return PathGain(gain, smaller_reserve)
-                gains.remove(gain)  # its path under smaller disturbances came too near, which is rare
+                # a path under smaller disturbances may come nearer, which is rare
+                if smaller_reserve == reserve and prove_path(with_gain(loop, gain)) is None:
+                    continue
+                return PathGain(gain, smaller_reserve)
+            if smaller_reserve == reserve:
+                gains = [gain for gain in gains if prove_path(with_gain(loop, gain)) is not None]
     return None
 
 
@@ -94,6 +95,11 @@ def proved_period_factor(loop: PathLoop, period: Fraction) -> Fraction:
     return _last_proved(lambda factor: loop.with_period(factor * period))
 
 
+def proved_drive_factor(loop: PathLoop) -> Fraction:
+    """Return the last of PROVED_FACTORS up to which the loop is proved for drives so many times as slow; 0 for none."""
+    return _last_proved(lambda factor: loop.with_drives([drive.scaled(factor) for drive in loop.drives]))
+
+
 def _last_proved(loop_for: Callable[[Fraction], PathLoop]) -> Fraction:
     last_factor = Fraction(0)
     for factor in PROVED_FACTORS:
@@ -111,10 +117,12 @@ def resting_gain(loop: PathLoop, i: int, resting_error: Fraction) -> Fraction:
     """
     ratio = (1 + resting_error) / (1 - resting_error)
     log = Fraction(log_bounds(ratio.numerator, ratio.denominator)[0], 1 << LOG_BITS)
-    limits = [law.u_max or Fraction(0) for law in loop.laws]
-    rows = [loop.bounds_over(i, k, k, limits) for k in range(len(loop.begins))]
-    balance = max(b.closing_speed * b.wide / b.g_min for b in rows)
-    balance = balance or max(b.wide for b in rows) ** 2 / loop.begins[-1]
+    if any(row.closing_speed or any(row.cross) for row in loop.rows[i]):
+        limits = [law.u_max or Fraction(0) for law in loop.laws]
+        rows = [loop.bounds_over(i, k, k, limits) for k in range(len(loop.begins))]
+        balance = max(b.closing_speed * b.wide / b.g_min for b in rows)
+    else:
+        balance = max(row.wide for row in loop.rows[i]) ** 2 / loop.begins[-1]
     return balance * (1 - resting_error**2) / (4 * log)
 
 

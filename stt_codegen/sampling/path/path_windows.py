@@ -9,12 +9,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from stt_codegen.sampling.path.drive_response import Drive
 from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
 from stt_codegen.sampling.path.worst_path import PathBounds, Start
 from stt_codegen.sampling.sampled_loop import SampledLoop
+
+# P is at least so much of its largest value, and where nothing moves a component of G U, so that every path ends.
+SMALLEST_SPEED_SHARE, SMALLEST_INPUT_EFFECT = Fraction(1, 50), Fraction(1, 256)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,6 +161,18 @@ class PathLoop:
         """The number of components."""
         return len(self.laws)
 
+    @cached_property
+    def _largest(self) -> list[tuple[Fraction, tuple[Fraction, ...], Fraction]]:
+        """The largest P, |g_ij| by j, and g_ii of each component over all rows."""
+        return [
+            (
+                max(row.closing_speed for row in rows),
+                tuple(map(max, zip(*(row.cross for row in rows), strict=True))),
+                max(row.g_max for row in rows),
+            )
+            for rows in self.rows
+        ]
+
     @property
     def has_windows(self) -> bool:
         """Whether bounds of recent windows may differ from those of the whole time."""
@@ -173,9 +189,11 @@ class PathLoop:
         """
         rows, law = self.rows[i][first : last + 1], self.laws[i]
         acting = [drive.amplification * u for drive, u in zip(self.drives, inputs, strict=True)]
-        pushed = (r.closing_speed + sum((g * v for g, v in zip(r.cross, acting, strict=True)), Fraction(0)) for r in rows)
+        pushed = (r.closing_speed + _effect(r.cross, acting) for r in rows)
+        largest_speed, largest_cross, largest_g = self._largest[i]
+        smallest_speed = SMALLEST_SPEED_SHARE * (largest_speed + _effect(largest_cross, acting))
         return PathBounds(
-            closing_speed=max(pushed),
+            closing_speed=max(*pushed, smallest_speed or SMALLEST_INPUT_EFFECT * largest_g * inputs[i]),
             filter_rate=law.filter_rate,
             g_min=min(r.g_min for r in rows),
             g_max=max(r.g_max for r in rows),
@@ -198,3 +216,8 @@ class PathLoop:
     def row_at(self, time: Fraction) -> int:
         """Return the last row that begins at or before a time that is not negative."""
         return max(k for k, begin in enumerate(self.begins) if begin <= time)
+
+
+def _effect(cross: Sequence[Fraction], inputs: Sequence[Fraction]) -> Fraction:
+    """Return the sum of |g_ij| |u_j|."""
+    return sum((g * v for g, v in zip(cross, inputs, strict=True)), Fraction(0))
