@@ -279,6 +279,17 @@ JOBS = (
         "lemma-mutants", "The lemma book notices changed kernels.", 5, "benchmarks/lemma_mutants.py 120", PACKAGE,
     ),
     script(
+        "lag-attack", "No adversary breaks a loop at the largest lag, or the longest period, that the worst path proves.", 3,
+        "benchmarks/lag_attack.py --runs 12000 --seed {seed}", PACKAGE, seed=7,
+    ),
+    *(
+        script(
+            f"lag-attack-without-{part}", "The attack breaks a loop where a part of the worst path's statement is left out.", 1,
+            f"benchmarks/lag_attack.py --runs 2000 --omit {part}", PACKAGE,
+        )
+        for part in ("start", "age", "input", "first")
+    ),
+    script(
         "missions-mutants", "No mission is certified that a trajectory in the tube breaks.", 3,
         "benchmarks/mission_mutants.py --count 1000", PACKAGE,
     ),

@@ -1,6 +1,6 @@
 """Measure the slowest drives and the longest periods that are proved for robots with a refined tube.
 
-    python -m benchmarks lag_table [--rate HZ ..] [--share SHARE ..] [--task NAME ..] [--record FILE.md]
+    python -m benchmarks lag_table [--rate HZ ..] [--share SHARE ..] [--task TASK ..] [--w-max W] [--record FILE.md]
 
 The first table has for each robot the largest lag in milliseconds that the worst path proves with some gain and some limit on u
 of a grid, by rate and by start share; then the same for two equal lags in series, their sum; the limit at 50 Hz as a multiple of
@@ -172,9 +172,11 @@ class Robot:
 
 
 def robot_of(name: str, w_max: float | None = None) -> Robot:
-    """Return a robot by its name: of tasks/, or one of the two above. w_max: a bound on the disturbance, None for the task's."""
+    """Return a robot by its name, of tasks/ or one of the two above, or by its file. w_max: a bound on the disturbance, None for
+    the task's."""
     text = {"amr": WAREHOUSE, "quadrotor": QUADROTOR}.get(name)
-    task = load_task(ROOT / "tasks" / f"{name}.toml") if text is None else parse_task(text)
+    path = Path(name) if name.endswith(".toml") else ROOT / "tasks" / f"{name}.toml"
+    task = load_task(path) if text is None else parse_task(text)
     task = task if w_max is None else task.changed(plant={"w_max": w_max})
     design = require_refined(design_tube(task))
     task = task.with_gain([Fraction(1, 10)] * task.dimension) if task.has_automatic_gain else task
@@ -270,15 +272,16 @@ def largest_lag(robot: Robot, rate: int, lag_count: int) -> LargestLag:
     return LargestLag(smallest_lag or Fraction(0), INPUT_MULTIPLES[choice[1]], proof_time)
 
 
-def lag_row(name: str, rates: Sequence[int], shares: Sequence[Fraction]) -> list[str]:
-    """Return the first table's row of a robot."""
-    robot = robot_of(name)
+def lag_row(name: str, rates: Sequence[int], shares: Sequence[Fraction], w_max: float | None) -> list[str]:
+    """Return the first table's row of a robot; without the study's lags for a disturbance of its own."""
+    robot = robot_of(name, w_max)
     robots = [robot.with_share(share) for share in shares]
     cells = []
     for rate, lag_count in [*((rate, 1) for rate in rates), (RATES[0], 2)]:
         lags = [largest_lag(r, rate, lag_count) for r in robots]
         column = (*RATES, None).index(rate if lag_count == 1 else None) if rate in RATES else None
-        study = [STUDY_LAGS[name][column][SHARES.index(s)] for s in shares if s in SHARES] if column is not None else []
+        is_in_study = column is not None and name in STUDY_LAGS and w_max is None
+        study = [STUDY_LAGS[name][column][SHARES.index(s)] for s in shares if s in SHARES] if is_in_study else []
         cells.append(_cell([f"{float(v.seconds) * 1e3:.0f}" for v in lags], study))
         if (rate, lag_count) == (rates[0], 1):
             multiples = " / ".join(f"{v.input_multiple:g}" if v.seconds else "-" for v in lags)
@@ -314,12 +317,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rate", type=int, action="append")
     parser.add_argument("--share", type=Fraction, action="append")
-    parser.add_argument("--task", action="append", choices=sorted({*TASKS, *STUDY_PERIODS}))
+    parser.add_argument("--task", action="append", help=f"a task's file, or one of {', '.join(sorted({*TASKS, *STUDY_PERIODS}))}")
+    parser.add_argument("--w-max", type=float, help="the disturbance in the first table, where a task's own is not meant")
     parser.add_argument("--record", type=Path, metavar="FILE.md")
     options = parser.parse_args()
     rates, shares, names = options.rate or RATES, options.share or SHARES, options.task or [*TASKS, *STUDY_PERIODS]
     period_rows = _printed(period_row, [name for name in dict.fromkeys(names) if name in STUDY_PERIODS])
-    lag_rows = _printed(lambda name: lag_row(name, rates, shares), [name for name in dict.fromkeys(names) if name in TASKS])
+    lag_rows = _printed(
+        lambda name: lag_row(name, rates, shares, options.w_max),
+        [name for name in dict.fromkeys(names) if name in TASKS or name.endswith(".toml")],
+    )
     columns = [*(f"{rate} Hz" for rate in rates), "two equal lags, sum, 50 Hz", "u_max/need", "ms of a proof"]
     shown = " / ".join(f"{float(v):g}" for v in shares)
     text = "\n\n".join(
