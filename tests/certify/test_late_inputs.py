@@ -15,7 +15,9 @@ import stt_codegen as stt
 from stt_codegen.designs import require_refined
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.properties import Property
+from stt_codegen.report.figures.control_notes import choice_lines
 from stt_codegen.sampling.numbers import FRACTIONS
+from stt_codegen.sampling.path.path_gain import PROVED_FACTORS
 from stt_codegen.sampling.windows import refined_windows
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.task import Task
@@ -68,8 +70,11 @@ lag = 0.08
 """
 DRONE = (ROOT / "tasks" / "drone.toml").read_text()
 WATCHMAN = (ROOT / "tasks" / "watchman.toml").read_text()
+RAIL = CART.replace("[10.6, 4.3]", "[10.6, 0.9]").replace("[11.4, 5.1]", "[11.4, 1.5]")
+RAIL = RAIL[: RAIL.index("[[unsafe]]")] + RAIL[RAIL.index("[tube]") : RAIL.index("u_max")] + "[plant]\nlag = 0.08\n"
 DRIVES = {
     "cart": CART,
+    "an axis at rest": RAIL,
     "two lags, slew and overshoot": CART.replace("lag = 0.08", "lag = [0.05, 0.06]\nlag2 = 0.01\nslew = 40.0\novershoot = 0.05"),
     "latency": CART.replace("lag = 0.08", "lag = 0.06").replace("period = 0.02", "period = 0.02\nlatency = 0.01"),
     "order 2": DRONE.replace("[plant]", "[plant]\nlag = [0.04, 0.04, 0.02]"),
@@ -110,6 +115,19 @@ def test_a_task_with_a_drive_is_certified_and_the_checker_verifies_it(name: str,
     path = sampled_of(files)["path"]
     assert len(path) == controller.task.dimension
     assert any(v["history"] for v in path) == (name == "repeated, by recent bounds")
+
+
+def test_what_design_says_of_slower_drives_is_proved() -> None:
+    """The factor that is printed is proved, and the next one that is looked for is not."""
+    controller = build_once(task_of("cart"))
+    (line,) = (v for v in choice_lines(controller) if v.startswith("gain"))
+    factor = Fraction(re.findall(r"([\d.]+) times the delay of the drive", line)[0])
+    assert factor > 1
+    lag, following = controller.task.drive_bounds[0].lag, PROVED_FACTORS[PROVED_FACTORS.index(factor) + 1]
+    chosen = {"gain": controller.task.gain}
+    assert build_once(parse_task(CART).changed(plant={"lag": lag * factor}, control=chosen)).certificate.holds
+    with pytest.raises(stt.NotCertified, match=r"period \(P9\)"):
+        build_once(parse_task(CART).changed(plant={"lag": lag * following}, control=chosen))
 
 
 def test_the_carts_bound_is_that_of_its_path_and_its_header_says_what_is_assumed() -> None:

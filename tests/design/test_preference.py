@@ -17,9 +17,11 @@ from stt_codegen.checker import check_files
 from stt_codegen.cli.main import app
 from stt_codegen.design.spline_tubes.dimension_programs import PACE_TOLERANCE
 from stt_codegen.design.spline_tubes.slowest_tube import smoothest_tube
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.report.figures.trade import trade_report
+from stt_codegen.sampling.windows import refined_windows
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
 from tests.support.controllers import ROOT, build_once
@@ -210,6 +212,47 @@ def test_each_preference_takes_the_best_of_the_tubes_in_the_trade_report(seed: i
     assert (by_preference["period"].period or 0) >= 0.98 * max(t.period or 0 for t in report.tubes)
     for tube in report.tubes:
         assert tube.preferred or not any(alternative.dominates(tube) for alternative in report.tubes)
+
+
+def crossing_time(task: Task, design: RefinedDesign) -> float:
+    """Return the least width over closing speed, in seconds, of a task of order 1: of the windows and those before them."""
+    bounds = refined_windows(design)
+    speeds = np.maximum(bounds.speed, np.concatenate([bounds.speed[:1], bounds.speed[:-1]]))
+    return float((bounds.narrow / (speeds + [float(b.force) for b in task.plant_bounds])).min())
+
+
+def test_a_drive_that_lags_gets_the_tube_with_the_largest_width_over_speed() -> None:
+    plain = load_task(ROOT / "tasks" / "trolley.toml")
+    task = plain.changed(plant={"lag": "0.05"})
+    times = {design: crossing_time(task, design) for design in refine_module.family(task)}
+    chosen, balanced = (refine_module.refine(v) for v in (task, task.changed(tube={"prefer": "balanced"})))
+    assert balanced == refine_module.refine(plain)
+    assert crossing_time(task, balanced) < max(times.values()) * 0.99
+    assert crossing_time(task, chosen) >= max(times.values()) * (1 - 1e-3)  # the preference allows for rounding of the edges
+    assert refine_module.refine(task.changed(tube={"prefer": "period"})) == chosen
+
+
+def test_the_filter_of_a_drive_that_lags_is_somewhat_larger() -> None:
+    """What pushes v + lambda x near an edge falls with lambda; the largest lag that is proved is flat between 1 and 1.3 times."""
+    plain = load_task(ROOT / "tasks" / "drone.toml").changed(tube={"filter": None, "prefer": "balanced"})
+    lagging = plain.changed(plant={"lag": "0.04"})
+    pairs = zip(refine_module.refine(plain).filter, refine_module.refine(lagging).filter, strict=True)
+    assert all(1 < larger / rate < Fraction(13, 10) for rate, larger in pairs)
+
+
+def test_with_a_drive_the_trade_report_has_periods_that_are_proved_with_it() -> None:
+    task = load_task(ROOT / "tasks" / "trolley.toml").changed(plant={"lag": "0.05"}, control={"period": "0.005", "u_max": "3"})
+    tubes = trade_report(task).tubes
+    assert any(tube.period for tube in tubes)
+    (balanced,) = (tube for tube in tubes if "balanced" in tube.preferred)
+    assert balanced.period is not None
+    assert balanced.gain is not None
+    stated = task.changed(
+        tube={"prefer": "balanced"}, control={"gain": list(balanced.gain), "period": round(balanced.period, 4) - 1e-4}
+    )
+    assert build_once(stated).certificate.holds
+    with pytest.raises(NotCertified, match=r"period \(P9\)"):
+        build_once(stated.changed(control={"period": round(balanced.period, 4) + 1e-4}))
 
 
 @pytest.mark.slow

@@ -427,6 +427,17 @@ def test_inputs_of_other_components_count_with_their_overshoot() -> None:
     assert loop.bounds_over(0, 0, 0, [F(1), F(2)]).closing_speed == F(1, 2) + F(1, 10) * 2 * F(3, 2)
 
 
+def test_a_component_that_little_moves_has_a_path_that_ends() -> None:
+    """P is raised to a part of its largest value, or of what the input moves, and never lowered."""
+    moving = loop_of_rows([row(0, 0.6, 0.6), row(0.005, 0.6, 0.6), row(0.5, 1.0, 1.0)])
+    assert [moving.bounds_over(0, k, k, [F(2)]).closing_speed for k in range(3)] == [F(1, 100), F(1, 100), F(1, 2)]
+    at_rest = loop_of_rows([row(0, 0.6, 0.6)] * 6)
+    assert at_rest.bounds_over(0, 0, 5, [F(2)]).closing_speed == F(1, 128)
+    proof = prove_path(at_rest)
+    assert proof is not None
+    assert proof.rho[0] < 20  # a run is hardly pushed from its start, where rho is 19
+
+
 def test_a_plant_whose_bounds_are_not_known_for_such_an_age_is_not_proved() -> None:
     loop = loop_of_rows(SLOW_WIDE)
     assert prove_path(loop) is not None
