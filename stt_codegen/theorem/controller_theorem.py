@@ -99,9 +99,9 @@ UNREAD_KEYS = {
     "target_set": "vertices centre radius motion",
     "unsafe": "motion during timing spread",
     "tube": "filter adaptive",
-    "control": "velocity period_min",
+    "control": "velocity period_min rest reserve",
     "emit": "",
-    "plant": "order noise_v lag lag2 slew overshoot",
+    "plant": "order noise_v lag lag2 slew overshoot exact",
 }
 
 

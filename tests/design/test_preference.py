@@ -233,7 +233,7 @@ def test_a_drive_that_lags_gets_the_tube_with_the_largest_width_over_speed() -> 
 
 
 def test_the_filter_of_a_drive_that_lags_is_somewhat_larger() -> None:
-    """What pushes v + lambda x near an edge falls with lambda; the largest lag that is proved is flat between 1 and 1.3 times."""
+    """Near an edge the closing speed of v + lambda x falls with lambda; the largest lag that is proved is flat between 1 and 1.3 times."""
     plain = load_task(ROOT / "tasks" / "drone.toml").changed(tube={"filter": None, "prefer": "balanced"})
     lagging = plain.changed(plant={"lag": "0.04"})
     pairs = zip(refine_module.refine(plain).filter, refine_module.refine(lagging).filter, strict=True)

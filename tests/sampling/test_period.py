@@ -423,7 +423,7 @@ def test_simulate_takes_rate_noise_latency_and_the_worst_plant_from_the_task(too
     report = json.loads(result.stdout)
     assert (report["rate"], report["noise"], report["latency"], report["w_max"]) == (50.0, 0.002, 0.002, 0.15)
     assert report["plant"].startswith("[plant], ")
-    assert "proved from this start" in report["foretold"][0]
+    assert report["foretold"][0].startswith("proved, period (P9): |e| stays below")
 
 
 # ---------------------------------------------------------------------------------------------- other units

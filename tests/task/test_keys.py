@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 
 from stt_codegen.checker.stt_checker import files as checked_files
+from stt_codegen.checker.stt_checker import keys as checked_keys
 from stt_codegen.checker.stt_checker import sets as checked_sets
-from stt_codegen.checker.stt_checker import task as checked_task
 from stt_codegen.program.targets import optional_targets
 from stt_codegen.task import task_keys
 from stt_codegen.task.sets.shapes import KINDS, SET_TABLES, fields_of_shape
@@ -29,7 +29,7 @@ def keys_of_coq() -> dict[str, set[str]]:
 def test_the_checker_knows_the_keys_of_the_task_and_no_others() -> None:
     expected = {table: set(keys) - SPELLED_OUT.get(table, set()) for table, keys in task_keys().items()}
     expected["region"] -= MOTION_KEYS
-    assert {table: set(keys.split()) for table, keys in checked_task.KNOWN_KEYS.items()} == expected
+    assert {table: set(keys.split()) for table, keys in checked_keys.KNOWN_KEYS.items()} == expected
 
 
 def test_the_checker_knows_the_fields_of_every_shape_and_no_others() -> None:

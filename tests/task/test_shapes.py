@@ -20,9 +20,9 @@ from scipy.optimize import linprog
 
 from stt_codegen.checker import check_files
 from stt_codegen.checker.stt_checker.exact import Unusable
+from stt_codegen.checker.stt_checker.keys import refuse_unknown_keys
 from stt_codegen.checker.stt_checker.sets import FORMS, Inside
 from stt_codegen.checker.stt_checker.task import Task as CheckedTask
-from stt_codegen.checker.stt_checker.task import refuse_unknown_keys
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, SttError
 from stt_codegen.loop.compiled import LoopResult, LoopSetting, driver

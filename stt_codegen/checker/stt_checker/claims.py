@@ -205,4 +205,4 @@ def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
         largest = period.prove(task, tube, law, rho, shift)
     require(all(a <= b for a, b in zip(largest, u, strict=True)), "P9 does not hold: |u| may be more than is claimed")
     if task.turns:
-        task.turns.prove_steps(tube, [v * (1 + 2 * nu) for v, nu in zip(u, task.opposite, strict=True)], law.filters)
+        task.turns.prove_steps(tube, [v * (1 + 2 * nu) for v, nu in zip(u, task.drive.opposite, strict=True)], law.filters)

@@ -93,7 +93,7 @@ def shifts(task: Any, tube: Tube, law: Law) -> list[Fraction]:
         fastest, z = tube.speed(i), max(widths(edges, i))
         if task.differs:
             force, _, g_max, cross = task.bounds(i)
-            largest = [v * (1 + 2 * nu) for v, nu in zip(limit, task.opposite, strict=True)]
+            largest = [v * (1 + 2 * nu) for v, nu in zip(limit, task.drive.opposite, strict=True)]
             acceleration = force + g_max * largest[i] + cross * (sum(largest) - largest[i])
             noise_v = acceleration * task.period / 2 + 2 * (noise + eps * (task.farthest + noise)) / task.shortest
             noise_v += 4 * eps * (fastest + s * w + noise_v)
@@ -105,7 +105,8 @@ def shifts(task: Any, tube: Tube, law: Law) -> list[Fraction]:
 def prove_paths(task: Any, tube: Tube, law: Law, claims: Any, numbers: tuple[list[Fraction], ...]) -> list[Fraction]:
     """Prove P9 by worst paths, one claim by component. numbers: the claimed rho, u and shift. Return a bound on each |u_i|."""
     rho, u, shift = numbers
-    acting, limit = [v * (1 + 2 * nu) for v, nu in zip(u, task.opposite, strict=True)], emitted_limits(task, law.bits)
+    drive, limit = task.drive, emitted_limits(task, law.bits)
+    acting = [v * (1 + 2 * nu) for v, nu in zip(u, drive.opposite, strict=True)]
     segments, bounds, seam = windows(task, tube, law.filters), [], tube.seam
     order = [*range(len(segments))] if seam is None else [*range(tube.segments), *range(seam, tube.segments)]
     begins, ratios = [k * task.t_c / tube.segments for k in range(len(order))], start_ratios(task, tube, law.filters)
@@ -121,7 +122,7 @@ def prove_paths(task: Any, tube: Tube, law: Law, claims: Any, numbers: tuple[lis
         shared = SimpleNamespace(
             g_min=g_min, g_max=g_max, u=u[i], filter_rate=law.filters[i] if law.filters else ZERO, gain=abs(law.gain[i]),
             limit=limit[i] if limit else u[i], shift=shift[i], rounding=law.rounding, e_max=task.e_max[i], rho=rho[i],
-            age=task.period + task.latency, lags=task.lags[i], slew=task.slew[i], nu=task.opposite[i], name=task.names[i],
+            age=task.period + task.latency, lags=drive.lags[i], slew=drive.slew[i], nu=drive.opposite[i], name=task.names[i],
         )  # fmt: skip
         path.prove(shared, rows, begins, (rows[0][1] / (1 + ratios[i]), task.latency), claims[i])
     return bounds

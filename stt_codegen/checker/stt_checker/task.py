@@ -4,51 +4,17 @@ import hashlib
 import json
 import re
 import tomllib
-from decimal import ROUND_CEILING, Context, Decimal
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from .drive import Drive, assumed_plant
 from .exact import Unusable, decimal, number, numbers, vector
+from .keys import KNOWN_KEYS, canonical, refuse_unknown_keys
 from .moving import Course
 from .sets import Inside, Obstacle, axes_of, box, points
 
 NARROWEST_WIDTH = Fraction(1, 1 << 18)  # of a tube: the emitted law divides by the width, and takes it as it is
-SET_KEYS = "lower upper vertices normals offsets centre segment radius"
-KNOWN_KEYS = {
-    "": "name axes units periodic prescribed_time repeat start_delay initial_state body state_space initial_set target_set "
-        "unsafe region mission tube control emit plant",
-    "state_space": "axes lower upper vertices normals offsets", "initial_set": "lower upper share speed",
-    "target_set": "axes lower upper vertices normals offsets centre radius motion",
-    "unsafe": f"name axes motion during timing spread {SET_KEYS}",
-    "region": f"name any_of axes {SET_KEYS}",
-    "mission": "visit between stay then within never before patrol every until formula",
-    "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
-    "control": "gain rest reserve e_max u_max period latency outside velocity period_min saturate",
-    "emit": "scalar math tick_period selftest rust",
-    "plant": "order f_max w_max g_min g_max g_cross noise noise_v lag lag2 slew overshoot exact",
-}  # fmt: skip
-LISTS = ("unsafe", "region", "mission")
-
-
-def canonical(value: Any) -> Any:
-    """Return the data that the task's digest is taken of: every number as a reduced fraction."""
-    if isinstance(value, dict):
-        return {k: canonical(v) for k, v in value.items()}
-    if isinstance(value, list):
-        return [canonical(v) for v in value]
-    return value if isinstance(value, bool | str) else "{}/{}".format(*Fraction(value).as_integer_ratio())
-
-
-def refuse_unknown_keys(document: dict[str, Any]) -> None:
-    space = document.get("state_space")
-    source = "a map" if "map" in document else "an outline" if isinstance(space, dict) and "outline" in space else None
-    if source is not None:
-        raise Unusable(f"the task has {source}; give the .task.toml beside the C, where its sets are spelled out")
-    tables = [(name, entry) for name, v in document.items() for entry in (v if name in LISTS else [v])]
-    for name, entry in [("", document), *((name, entry) for name, entry in tables if name in KNOWN_KEYS)]:
-        unknown = {*entry} - {*KNOWN_KEYS[name].split()}
-        if unknown:
-            raise Unusable(f"the task has {min(unknown)!r}, which is unknown here")
 
 
 class Bounds(NamedTuple):
@@ -143,14 +109,10 @@ class Task:
         keys = KNOWN_KEYS["plant"].split()[1 : 6 + self.order]
         self.plant = {k: numbers(plant[k], n) if k in plant else None for k in keys}
         self.stated = {k: as_text(plant[k]) if k in plant else None for k in keys}  # as the certificate repeats it
-        self.drive = {k: numbers(plant[k], n) for k in ("lag", "lag2", "slew", "overshoot") if k in plant}
-        self.stated |= {k: as_text(plant[k]) for k in self.drive}
-        lags = [self.drive.get(k, [Fraction(0)] * n) for k in ("lag", "lag2")]
-        self.lags = [[t for t in pair if t] for pair in zip(*lags, strict=True)]  # seconds, by component
-        self.slew = self.drive.get("slew", [None] * n)
-        is_open = not any([*self.plant.values(), self.drive, plant.get("exact", False)]) and self.order == 1
+        self.drive = Drive(plant, n)
+        self.stated |= {k: as_text(plant[k]) for k in self.drive.stated}
+        is_open = not any([*self.plant.values(), self.drive.stated, plant.get("exact", False)]) and self.order == 1
         self.assumes_plant = is_open and "period" in self.document.get("control", {})
-        self.opposite = [m / (1 - m) if m < 1 else m for m in self.drive.get("overshoot", [Fraction(0)] * n)]  # M + M^2 + ..
 
     def _read_law(self, control: dict[str, Any]) -> None:
         """Read what the task states about gain, limits and samples."""
@@ -174,10 +136,8 @@ class Task:
 
     def _refuse_contradictions(self, plant: dict[str, Any], control: dict[str, Any]) -> None:
         """Refuse values out of range, and combinations of which nothing is proved."""
-        drive = [v for values in self.drive.values() for v in values]
-        bounds = [*drive, *(v for values in self.plant.values() for v in values or [])]
+        bounds = [v for values in self.plant.values() for v in values or []]
         rates = [*(self.max_speed or []), *(self.max_acceleration or []), *(self.u_max or []), *(self.filter or [])]
-        rates += self.drive.get("slew", [])
         gains = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or [])]
         times = [v for v in (self.t_c, self.period, self.shortest, self.tick) if v is not None]
         has_mission, is_equal = "mission" in self.document, self.u_max is not None and len({*self.u_max}) == 1
@@ -186,8 +146,7 @@ class Task:
         for is_wrong, what in (
             (min([*times, self.share, *self.e_max, *rates, *gains]) <= 0, "a number that is not positive"),
             (max(self.share, *self.e_max) >= 1, "a share or an e_max that is not below 1"),
-            (max(self.drive.get("overshoot", [0])) >= 1, "an overshoot that is not below 1"),
-            (bool(drive) and self.period is None, "a drive where nothing is proved about it"),
+            (bool(self.drive.stated) and self.period is None, "a drive where nothing is proved about it"),
             (self.leaves_limit and self.period is None, "a u_max to be chosen without a period"),
             (type(plant.get("exact", False)) is not bool, "an `exact` that is neither true nor false"),
             (plant.get("exact") is True and any(self.plant[k] for k in ("f_max", "w_max", "g_min", "g_max", "g_cross")),
@@ -213,14 +172,10 @@ class Task:
                 raise Unusable(f"the task has {what}")
 
     def assume_plant(self, speeds: list[Fraction]) -> None:
-        """Take the plant that is assumed where none is stated: g within a fifth of 1, and disturbances up to a tenth of the speed
-        of the tube's fastest edge by component, rounded up to three digits. speeds: of these edges."""
-        to_three_digits = Context(prec=3, rounding=ROUND_CEILING)
-        tenths = [(v / 10).as_integer_ratio() for v in speeds]
-        w_max = [Fraction(to_three_digits.divide(Decimal(p), Decimal(q))) for p, q in tenths]
-        bounds = {"w_max": w_max, "g_min": [Fraction(4, 5)] * self.n, "g_max": [Fraction(6, 5)] * self.n}
+        """Take the plant that is assumed where none is stated. speeds: of the tube's fastest edges by component."""
+        bounds = assumed_plant(speeds)
         self.plant |= bounds
-        self.stated |= {"w_max": [str(v) for v in w_max], "g_min": "4/5", "g_max": "6/5"}
+        self.stated |= {"w_max": [str(v) for v in bounds["w_max"]], "g_min": "4/5", "g_max": "6/5"}
 
     @property
     def proves_limits(self) -> bool:
@@ -236,7 +191,7 @@ class Task:
     @property
     def is_late(self) -> bool:
         """Whether an input may act later than its sample, or otherwise than it is commanded."""
-        return self.latency > 0 or any(map(any, self.lags)) or any(self.slew) or any(self.opposite)
+        return self.latency > 0 or not self.drive.acts_at_once
 
     def bounds(self, i: int) -> Bounds:
         """Return the plant bounds of component i. A missing g_min or g_max is 1, or the other one where 1 contradicts it."""

@@ -13,7 +13,7 @@ from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, prove_identities, p
 from stt_codegen.lemmas.sampling.sampled import INPUT_OVER_GAIN, a, b
 
 f, w, y, g, x, v, low, high, low_rate, high_rate, low_bend, high_bend = sp.symbols("f w y g x v L R L' R' L'' R''", real=True)
-rate, F, S, G, P, d, h, cell = sp.symbols("lambda F S G P d h s", positive=True)
+rate, F, S, P, d, cell = sp.symbols("lambda F S P d s", positive=True)
 gamma, gamma_Y, Q, width, eta, near = sp.symbols("gamma gamma_Y Q W eta near", real=True)
 
 

@@ -42,8 +42,8 @@ def _gain_line(task: Task, loop: PathLoop) -> str:
     if task.has_drive:
         factors.append((proved_drive_factor(loop), "delay of the drive"))
     is_proved = all(factor for factor, _ in factors)  # by the worst path; else by the sharp conditions, with no reserve known
-    *others, last = [f"{_factor(factor)} times the {word}" for factor, word in factors]
-    proved = f"{', '.join(others)} and {last}" if others else last
+    *first_parts, last_part = [f"{_factor(factor)} times the {word}" for factor, word in factors]
+    proved = f"{', '.join(first_parts)} and {last_part}" if first_parts else last_part
     line = f"gain {by_component(gain)}: rests within |e| {above(Fraction(resting_error), 2):g}"
     line += f", proved for {proved}" if is_proved else ""
     if not (task.plant.noise or task.plant.noise_v):
