@@ -115,7 +115,7 @@ def _remedies(task: Task, loop: PathLoop) -> Iterator[str]:
     for value in [] if factor is None or factor >= 1 else [factor * retreat for retreat in RETREATS]:
         drives = [_quicker(bounds, value) for bounds in task.drive_bounds]
         if prove_path(loop.with_drives([Drive.of(bounds) for bounds in drives])) is not None:
-            yield f"{_written(drives)} {with_this_gain}"
+            yield f"a drive with {_written(drives)} {with_this_gain}"
             break
     share = _smaller_share(task, loop) if task.order == 1 else None
     if share is not None:
