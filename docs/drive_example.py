@@ -17,14 +17,14 @@ def controller_of_page() -> EmittedController:
 
 
 def table(controller: EmittedController) -> str:
-    """Return the table: for each lag the worst run within [plant], and what is said of it before."""
-    lines = ["| lag, s | largest \\|e\\| | the tube | the task | said before |", "|---|---|---|---|---|"]
+    """Return the table: for each lag the worst run within [plant], and what is proved of it before."""
+    lines = ["| lag, s | largest \\|e\\| | the tube | the task | proved before the run |", "|---|---|---|---|---|"]
     for lag in LAGS:
         report = simulate(controller, Request(plant="bounds", lag=lag, start=START), None)
-        run, said = report.run, report.proof_lines[-1].partition(":")[0].partition(",")[0]
+        run, verdict = report.run, report.proof_lines[-1].partition(":")[0].partition(",")[0]
         tube = "kept" if run.kept else "**left**"
         outcome = "met" if run.good else f"**missed**: {'no arrival' if run.hit is None else f'into {run.hit}'}"
-        lines.append(f"| {lag:g} | {', '.join(f'{e:.2f}' for e in run.e)} | {tube} | {outcome} | {said} |")
+        lines.append(f"| {lag:g} | {', '.join(f'{e:.2f}' for e in run.e)} | {tube} | {outcome} | {verdict} |")
     return "\n".join(lines)
 
 

@@ -27,9 +27,8 @@ FRACTION_BITS = 10  # of a lambda that is chosen, after the leading bit
 CANDIDATES = np.geomspace(2.0**-6, 2.0**6, 97)  # times the lambda that needs as much input as the accelerations of the edges
 LIMIT_MARGIN = 1e-6  # of the acceleration within u_max that a lambda must leave
 LIMIT_INCREASE = Fraction(101, 100)  # times the smallest limit of u that would do is the one that a refusal proposes
-# Where the drive lags: so much of lambda times the width counts less. The largest proved lag of a quadrotor and of the drone is
-# within 1 % of the best lambda's for 1/4, and 1 to 2 % below for 0.
-LATE_RELIEF_SHARE = 0.25
+# Of lambda times the width: -lambda b slows the approach by about so much while a late input comes. Where the drive lags.
+FILTER_PULL_SHARE = 0.25
 FIXED_FILTER_BITS = 14  # after the point: in integers lambda has 16 bits and is below 4
 
 
@@ -66,9 +65,9 @@ def _choose_rate(task: Task, design: RefinedDesign, i: int) -> Fraction:
             "the initial set narrower"
         )
     available = float(control_authority(task)[i]) if task.requires_input_limits else np.inf
-    relief_share = LATE_RELIEF_SHARE if task.has_drive else 0.0
+    pull_share = FILTER_PULL_SHARE if task.has_drive else 0.0
     crossing_times = [
-        (width / (required + force - relief_share * float(rate) * width), rate)
+        (width / (required + force - pull_share * float(rate) * width), rate)
         for width, required, rate in candidates
         if required < available * (1 - LIMIT_MARGIN)
     ]

@@ -159,8 +159,8 @@ def _choose_preferred(task: Task, search: TubeSearch, tubes: list[SplineTube]) -
     preference = _preference(task)
     if preference == "period":
         allowance = Fraction(search.arena.allowance) * Fraction(search.arena.length_unit)
-        seconds = _crossing_time if task.has_drive else _longest_period
-        return max(tubes, key=lambda tube: seconds(task, _round_and_filter(task, search, tube), allowance))
+        measure = _crossing_time if task.has_drive else _longest_period
+        return max(tubes, key=lambda tube: measure(task, _round_and_filter(task, search, tube), allowance))
     if preference == "wide":
         return max(tubes, key=lambda tube: (tube.width.min(), -tube.speed))
     slow = [tube for tube in tubes if tube.speed <= SLOWEST_TOLERANCE * min(t.speed for t in tubes)]
@@ -172,16 +172,17 @@ def _round_and_filter(task: Task, search: TubeSearch, tube: SplineTube) -> Refin
 
 
 def _crossing_time(task: Task, design: RefinedDesign, allowance: Fraction) -> float:
-    """Return the least width over closing speed of any window and component, in seconds; a proved lag is a part of it.
+    """Return the least width over closing speed of any window and component, in seconds, without the others' inputs; a
+    proved lag is a part of it.
 
     allowance: as in `_longest_period`.
     """
-    _, loop = _loop(task, design, allowance)
+    _, loop = _loop_with_choices(task, design, allowance)
     with np.errstate(divide="ignore"):
         return float((loop.windows.narrow / loop.closing_speed).min())
 
 
-def _loop(task: Task, design: RefinedDesign, allowance: Fraction) -> tuple[Task, SampledLoop]:
+def _loop_with_choices(task: Task, design: RefinedDesign, allowance: Fraction) -> tuple[Task, SampledLoop]:
     """Return the task with the plant and the limit that it leaves open, and its loop with this tube."""
     edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
     task = with_assumed_plant(task, design.edge_speed_bounds())
@@ -197,7 +198,7 @@ def _longest_period(task: Task, design: RefinedDesign, allowance: Fraction) -> f
     It is at the task's gain, or over all gains where that is left open; 0 where there is none. allowance: for the arithmetic,
     whose error is not derived yet.
     """
-    task, loop = _loop(task, design, allowance)
+    task, loop = _loop_with_choices(task, design, allowance)
     kinds = condition_kinds_of(task)
     if task.control.gain is None or task.has_automatic_gain:
         best = Gains(loop, balancing_gain(loop), kinds=kinds).with_longest_period

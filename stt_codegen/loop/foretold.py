@@ -22,7 +22,7 @@ from stt_codegen.sampling import prove_for_period, start_bound_of_task
 from stt_codegen.task import DriveBounds, Task
 
 OF_LATE_LOOPS = ("tube", "start", "Assumption 2", "[plant]")  # hypotheses that P9 needs by the worst path
-RATE_ROUNDING = 1e-9  # relative, of a rate in decimals
+RATE_ROUNDING = 1e-9  # relative, of a rate or a bound in decimals
 
 
 def describe_proof(controller: EmittedController, plant: Model | None, scenario: Scenario) -> list[str]:
@@ -46,7 +46,9 @@ def describe_proof(controller: EmittedController, plant: Model | None, scenario:
         i = int(np.argmax(errors))
         position = f"the start has |e| = {float(errors[i]):.4g} in {task.axis_words[i]}, not below e_max"
         lines.append(f"{position}: sampled, nothing is proved from there")
-    return [*lines, _late_line(analysis, proof, scenario, start) if is_late else _period_line(analysis, scenario)]
+    if not is_late:
+        return [*lines, _period_line(analysis, scenario)]
+    return [*lines, "not proved: what is not shown is assumed" if lines else _late_line(analysis, proof, scenario, start)]
 
 
 def _problem_outside_theory(controller: EmittedController, scenario: Scenario, start: Sequence[float]) -> str | None:
@@ -107,11 +109,23 @@ def _beyond_period_proof(analysis: Analysis, scenario: Scenario, start: Sequence
         yield f"inputs are {between:g} s apart, and control.period is {decimal(task.sampling_period)}"
     if scenario.latency > float(task.control.latency):
         yield f"u acts {scenario.latency:g} s after its sample, and control.latency is {decimal(task.control.latency)}"
+    if scenario.noise > float(task.plant.noise or 0):
+        yield f"x is measured to {scenario.noise:g}, and plant.noise is {decimal(task.plant.noise or Fraction(0))}"
     if scenario.noise_v > float(task.plant.noise_v or 0):
         yield f"v is measured to {scenario.noise_v:g}, and plant.noise_v is {decimal(task.plant.noise_v or Fraction(0))}"
+    if analysis.plant is None:
+        yield from _beyond_disturbance(task, scenario)
     every_start, this_start = (start_bound_of_task(task, analysis.controller.design, analysis.windows, s) for s in (None, start))
     if (this_start > every_start * (1 + RATE_ROUNDING)).any():
         yield f"the start is outside initial_set.share = {decimal(task.initial_set.share)}"
+
+
+def _beyond_disturbance(task: Task, scenario: Scenario) -> Iterator[str]:
+    """Yield the components in which a run without a plant's equations is pushed by more than [plant] states."""
+    for i, share in enumerate(scenario.shares or (1.0,) * task.dimension):
+        force = task.plant_bounds[i].force
+        if scenario.strength * share > float(force) * (1 + RATE_ROUNDING):
+            yield f"{task.axis_words[i]} is pushed by {scenario.strength * share:g}, and f_max + w_max is {decimal(force)}"
 
 
 def _is_within(run: DriveBounds, stated: DriveBounds) -> bool:

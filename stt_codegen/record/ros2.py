@@ -145,6 +145,7 @@ def _limits_for_templates(controller: EmittedController) -> dict[str, Any]:
     speeds = [float(max(Fraction(0), v - noise_v) if v else noise_v) for v in task.start_speed] if task.order == 2 else []
     u_max = task.u_max or (proved.u if proved else None)
     g_max = float(max(b.g_max for b in task.plant_bounds)) if proved else 1.0
+    amplification = float(max(b.amplification for b in task.drive_bounds))
     return {
         "starts": repr([(float(middle - half), float(middle + half)) for middle, half in starts]),
         "speeds": repr(speeds),
@@ -152,7 +153,7 @@ def _limits_for_templates(controller: EmittedController) -> dict[str, Any]:
         "drives": "; ".join(drive_words(task)) if task.has_drive else "",
         "most": [float(v) for v in u_max] if u_max else f"[math.inf] * {task.dimension}",
         # So weak that u = -brake v, held for a period and delayed by latency and drive, does not reverse v whatever g is.
-        "brake": f"{0.25 / (g_max * (float(sum(_period_and_latency(task))) + _drive_delay(task, u_max))):.3g}",
+        "brake": f"{0.25 / (g_max * amplification * (float(sum(_period_and_latency(task))) + _drive_delay(task, u_max))):.3g}",
     }
 
 

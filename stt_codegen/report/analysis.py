@@ -70,6 +70,7 @@ class Analysis(LoopAnalysis):
             plant=self.name,
             latency=self.latency,
             assumptions=tuple(self.assumptions()),
+            has_drive=task.has_drive,
             shortest=round_up(self.shortest),
             shortest_for="control.period_min" if task.uses_differences else "alpha_step",
             starts=self.starts,

@@ -132,7 +132,7 @@ class SamplingReport:
     the periods that no program can check. shortest: the lower limit of periods; shortest_for: the key of the task file that sets
     it. at_this_gain: the period of the task's gain. longest: the gain with the longest period. longest_with_limits: that gain if
     control.u_max may change. gains: the proved gains for the period `wanted`. smallest_error: the gain of that range with the
-    smallest |e| in a run from the middle.
+    smallest |e| in a run from the middle. has_drive: whether the task states a drive, which is in none of these numbers.
     """
 
     plant: str
@@ -149,6 +149,7 @@ class SamplingReport:
     smallest_error: Advice | None
     gains: ProvedGains | None
     shortest_for: str = ""
+    has_drive: bool = False
 
     def document(self) -> dict[str, Any]:
         """Return the report as JSON data."""

@@ -24,6 +24,9 @@ def sampling_lines(sampling: SamplingReport, tick_period: float | None) -> Itera
 
     tick_period: emit.tick_period of the task, in seconds.
     """
+    if sampling.has_drive:
+        yield Line("sampling: period (P9) alone counts the drive of [plant]; other gains and periods are not looked for with it")
+        return
     yield Line(f"sampling, proved for {sampling.plant} from every start with {sampling.starts}:")
     at_this_gain = sampling.at_this_gain
     if at_this_gain is None:

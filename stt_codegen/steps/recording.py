@@ -60,7 +60,7 @@ def parse_record(text: str, name: str = "record", columns: Sequence[str] = ()) -
             problem = f"time {sample[0]:g} is not after {before[0]:g} of the row before"
             raise BadInput(f"{name}, line {k}: {problem}; times must rise, in seconds")
     time, command, response = zip(*samples, strict=True)
-    labels = tuple(headings[j] if j < len(headings) else str(j + 1) for j in numbers)
+    labels = tuple(headings[j] if j < len(headings) else f"column {j + 1}" for j in numbers)
     return StepRecord(time, command, response, tuple(k for k, _ in rows[first:]), labels)
 
 

@@ -15,7 +15,8 @@ from stt_codegen.certify.sampled.control_choice import PERIOD_WITH_MARGIN
 from stt_codegen.controller import edge_and_rate_errors
 from stt_codegen.designs import require_refined
 from stt_codegen.pipeline import EmittedController
-from stt_codegen.report import choice_lines, control_notes
+from stt_codegen.report import control_notes
+from stt_codegen.report.figures.control_notes import choice_lines
 from stt_codegen.sampling import LIMIT_FACTORS, exact_loop, loop_of, needed_input, path_loop_of
 from stt_codegen.sampling.path import PathLoop, prove_path, resting_gain, with_gain
 from stt_codegen.task import parse_task
@@ -163,9 +164,9 @@ def test_the_assumed_plant_is_a_fifth_of_g_and_a_tenth_of_the_fastest_edge() -> 
     for w, speed in zip(sampled["w_max"], require_refined(controller.design).edge_speed_bounds(), strict=True):
         assert 0 <= Fraction(w) - speed / 10 < speed / 1000
     for name in ("cart.h", "cart.c", "cart.py"):
-        assert "(assumed, as the task has no [plant])" in re.sub(r"\s[*#]?\s*", " ", controller.files[name].decode())
+        assert "(assumed, as [plant] states no bounds)" in re.sub(r"\s[*#]?\s*", " ", controller.files[name].decode())
     (note,) = control_notes(controller.task, None)
-    assert note.startswith("assumed, as the task has no [plant]: g from 0.8 to 1.2, disturbances up to [")
+    assert note.startswith("assumed, as [plant] states no bounds: g from 0.8 to 1.2, disturbances up to [")
 
 
 def test_a_plant_that_is_stated_is_taken_as_it_is() -> None:

@@ -17,7 +17,7 @@ from stt_codegen.pipeline import EmittedController
 from stt_codegen.properties import Property
 from stt_codegen.report.figures.control_notes import choice_lines
 from stt_codegen.sampling.numbers import FRACTIONS
-from stt_codegen.sampling.path.path_gain import PROVED_FACTORS
+from stt_codegen.sampling.path import PROVED_FACTORS
 from stt_codegen.sampling.windows import refined_windows
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.task import Task
@@ -248,7 +248,9 @@ def test_every_remedy_of_a_refusal_works(lag: str) -> None:
 
 
 def test_a_drive_that_no_gain_can_use_is_refused_with_the_tubes_width_over_speed() -> None:
-    with pytest.raises(stt.NotCertified, match=r"too fast or too narrow for such a drive: width over closing speed is 0\.\d+ s"):
+    with pytest.raises(
+        stt.NotCertified, match=r"inputs are too late for this tube: .* is 1\.51\d* s, and width over closing speed is 0\.\d+ s"
+    ):
         build_once(parse_task(CART.replace("lag = 0.08", "lag = 1.5")))
 
 

@@ -154,6 +154,8 @@ def test_simulate_takes_the_tasks_drive_and_lag_replaces_it() -> None:
         ({"lost": 1}, "inputs are 0.04 s apart"),
         ({"latency": 0.001}, "u acts 0.001 s after its sample, and control.latency is 0"),
         ({"start": (1.26, 1.2)}, "the start is outside initial_set.share = 0.8"),
+        ({"noise": 0.05}, "x is measured to 0.05, and plant.noise is 0.003"),
+        ({"strength": 0.2}, "dimension 1 is pushed by 0.2, and f_max + w_max is 0.1"),
     ],
 )
 def test_a_run_beyond_the_proof_is_foretold_as_not_proved(changes: dict[str, Any], problem: str) -> None:

@@ -62,14 +62,15 @@ def drive_words(task: Task) -> list[str]:
     """Return what the proof assumes of when inputs act, in words; empty where they act at once."""
     drives, words = task.drive_bounds, []
     if task.control.latency:
-        words.append(f"u {decimal(task.control.latency)} s after its sample at most")
-    if any(d.lag for d in drives):
-        lag = by_component([d.lag for d in drives])
-        second = f", a second one of {by_component([d.lag2 for d in drives])} s behind it" if any(d.lag2 for d in drives) else ""
-        answer = f"its step response never falls and is never below 1 - e^(-t/{lag})"
-        words.append(f"a drive no slower than a first-order lag of {lag} s{second} ({answer}), at rest at 0")
-    elif any(d.lag2 for d in drives):
-        words.append(f"a drive no slower than a first-order lag of {by_component([d.lag2 for d in drives])} s, at rest at 0")
+        words.append(f"u acts at most {decimal(task.control.latency)} s after its sample")
+    lags = [by_component(values) for values in ([d.lag for d in drives], [d.lag2 for d in drives]) if any(values)]
+    if len(lags) > 1:
+        words.append(f"a drive no slower than two first-order lags in series, of {' s and '.join(lags)} s, at rest at 0")
+    elif lags:
+        exponent = "lag" if lags[0].startswith("[") else lags[0]
+        answer = f" (its step response never falls and is never below 1 - e^(-t/{exponent}))"
+        answer = "" if any(d.overshoot for d in drives) else answer
+        words.append(f"a drive no slower than a first-order lag of {lags[0]} s{answer}, at rest at 0")
     if any(d.slew for d in drives):
         words.append(f"a drive that follows u by at least {by_component([d.slew or Fraction(0) for d in drives])} a second")
     if any(d.overshoot for d in drives):
@@ -83,7 +84,10 @@ def late_advice(task: Task, loop: PathLoop) -> str:
     if delay > PROMISING_DELAY_SHARE * crossing:
         allowed = below(ALLOWED_DELAY_SHARE * crossing, 2)
         width_over_speed = f"width over closing speed is {below(crossing, 3):g} s"
-        return f"the tube is too fast or too narrow for such a drive: {width_over_speed}, which allows about {allowed:g} s"
+        late = f"the drive's delay + 0.6 (period + latency) is {above(delay, 3):g} s"
+        return (
+            f"inputs are too late for this tube: {late}, and {width_over_speed}, of which about a fifth is proved: {allowed:g} s"
+        )
     remedies = list(_remedies(task, loop))
     if remedies:
         return f"use {', or '.join(remedies)}"

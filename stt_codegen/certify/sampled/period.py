@@ -89,7 +89,7 @@ def _evidence(task: Task, design: RefinedDesign, exact: SampledLoop, loop: Sampl
     margin = (longest_period or Fraction(0)) - period
     if proof is not None:
         return PeriodEvidence(proof, margin)
-    if sharp is not None:
+    if sharp is not None and sharp.margin >= margin:
         return sharp
     return PeriodEvidence(None, min(margin, -period / 1000), late_advice(task, path_loop))
 
@@ -171,7 +171,7 @@ def _statement(task: Task) -> str:
     force, g_min, g_max, cross = (by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross"))
     g_ii = "g_ii" if task.gain[0] > 0 else "-g_ii"
     g = f"{g_ii} = {g_min}" if g_min == g_max else f"{g_min} <= {g_ii} <= {g_max}"
-    assumed = " (assumed, as the task has no [plant])" if task.assumes_plant else ""
+    assumed = " (assumed, as [plant] states no bounds)" if task.assumes_plant else ""
     bounds = [f"|f + w| <= {force}", g, f"|g_ij| <= {cross}{assumed}"]
     bounds += [f"x measured to {decimal(plant.noise)}"] if plant.noise else []
     bounds += drive_words(task)
@@ -203,7 +203,7 @@ def _advice(task: Task, loop: SampledLoop, age: Fraction) -> str:
     best = choose_proved_gain(loop, float(age), kinds=("sharp",))
     if best is not None:
         return (
-            f'use control.gain = "auto" (here {written(best.gain)})' if sign > 0 else f"use control.gain = {written(best.gain)}"
+            f'use control.gain = "tight" (here {written(best.gain)})' if sign > 0 else f"use control.gain = {written(best.gain)}"
         )
     best = gains.with_longest_period
     remedies, longest_seconds = [], best.period.seconds if best else 0.0

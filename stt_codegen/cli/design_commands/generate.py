@@ -179,7 +179,7 @@ def _package_notes(controller: Any, package: str | None, plant: str | None) -> I
     if package in ("arduino", "platformio"):
         yield from sketch_notes(controller)
     if package == "fmu" and plant is not None and controller.task.has_drive:
-        yield "the plant's unit acts on u at once; put the first-order lag of [plant] between both units"
+        yield "the plant's unit acts on u at once; put the drive of [plant] between both units"
 
 
 def _set_notes(task: Any) -> Iterator[str]:

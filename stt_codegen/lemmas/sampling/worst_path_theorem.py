@@ -94,10 +94,14 @@ def _prove_drive() -> Outcome:
     mean = younger * weight + older * (1 - weight)
     with_less_age = younger * (weight + moved) + older * (1 - weight - moved)
     positive, opposite, bound, overshoot = sp.symbols("Y+ nu U M", positive=True)
+    slowest, quicker = sp.symbols("s_max q", positive=True)  # a drive that follows by s_max + q a second
     return prove_identities(
         {
             "Y' - (c - Y)/T": sp.simplify(sp.diff(answer, time) - (command - answer) / lag),
             "Y(0) - Y": answer.subs(time, 0) - start,
+            "slew: (Y - y)(t) - (Y - y)(0) - q t, while both fall": sp.expand(
+                (start - slowest * time) - (start - (slowest + quicker) * time) - quicker * time
+            ),
             "mean less that with m moved to a younger command, less m (c_older - c_younger)": sp.expand(
                 mean - with_less_age - moved * (older - younger)
             ),

@@ -11,7 +11,14 @@ from stt_codegen.decimals import above, by_component, decimal
 from stt_codegen.designs import require_refined
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.sampling import exact_loop, loop_of, needed_input, path_loop_of
-from stt_codegen.sampling.path import PathLoop, proved_disturbance_factor, proved_drive_factor, proved_period_factor, resting_gain
+from stt_codegen.sampling.path import (
+    PROVED_FACTORS,
+    PathLoop,
+    proved_disturbance_factor,
+    proved_drive_factor,
+    proved_period_factor,
+    resting_gain,
+)
 from stt_codegen.task import Task
 
 REFERENCE_ERROR = Fraction(1, 2)  # |e| at which the resting gain is computed once
@@ -56,7 +63,7 @@ def _gain_line(task: Task, loop: PathLoop) -> str:
 
 def _factor(value: Fraction) -> str:
     """Write a factor; where the last that is looked for is proved, as "10 or more"."""
-    return "10 or more" if value == 10 else decimal(value)
+    return "10 or more" if value == PROVED_FACTORS[-1] else decimal(value)
 
 
 def _resting_error(loop: PathLoop, i: int, gain: Fraction) -> float:
@@ -97,7 +104,7 @@ def control_notes(task: Task, largest_u: float | None) -> Iterator[str]:
         return
     if task.assumes_plant:
         yield (
-            f"assumed, as the task has no [plant]: {assumed_words(task)}, no lag, no coupling, exact measurement; "
+            f"assumed, as [plant] states no bounds: {assumed_words(task)}, no lag, no coupling, exact measurement; "
             "state your own, or plant.exact = true for x' = u"
         )
         return

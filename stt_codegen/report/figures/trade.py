@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from stt_codegen.design import family
 from stt_codegen.design_kinds import kinds_offering
@@ -69,6 +69,13 @@ class TradeReport:
         return {k: v for k, v in data.items() if not ((k == "picture" and v is None) or (k == "has_drive" and not v))}
 
 
+class LongestPeriod(NamedTuple):
+    """A period in seconds, and the gain by component with which it is proved."""
+
+    seconds: float
+    gain: tuple[float, ...]
+
+
 def trade_report(task: Task) -> TradeReport:
     """Design tubes of several widths, certify them, and keep those that no tube dominates or that a preference gives.
 
@@ -88,7 +95,7 @@ def trade_report(task: Task) -> TradeReport:
         (build_task(compared_task, uncertified=True, tube=design), tuple(preferred))
         for design, preferred in preferences_by_design.items()
     ]
-    tubes = [_trade_off(controller, preferred) for controller, preferred in controllers if _holds_at_some_period(controller)]
+    tubes = [_trade_off(controller, preferred) for controller, preferred in controllers if _holds_but_for_its_period(controller)]
     if not tubes:
         raise NotCertified("--pareto: of the tubes that were found none is certified; see `stt-codegen design`")
     undominated = [t for t in tubes if t.preferred or not any(alternative.dominates(t) for alternative in tubes)]
@@ -103,7 +110,7 @@ def _without_period(task: Task) -> Task:
     return task.changed(control={"gain": gain, "u_max": u_max, "rest": None, "reserve": None, "period": None})
 
 
-def _holds_at_some_period(controller: EmittedController) -> bool:
+def _holds_but_for_its_period(controller: EmittedController) -> bool:
     """Whether all that is certified holds, but for the task's period."""
     certificate = controller.certificate
     return certificate.proves and all(f.subject is Property.PERIOD for f in certificate.failures)
@@ -117,25 +124,25 @@ def _trade_off(controller: EmittedController, preferred: tuple[str, ...]) -> Tub
         segments=controller.design.parts,
         smallest_width=float(certificate.minimum_width),
         speed=float(max(certificate.speed)),
-        period=None if period is None else period[0],
-        gain=None if period is None else period[1],
+        period=None if period is None else period.seconds,
+        gain=None if period is None else period.gain,
         preferred=preferred,
     )
 
 
-def _longest_period(controller: EmittedController) -> tuple[float, tuple[float, ...]] | None:
+def _longest_period(controller: EmittedController) -> LongestPeriod | None:
     """Return the longest proved period of a task without a drive, in seconds, and its gain by component."""
     analysis = Analysis(controller)
     if controller.task.control.gain is None:
         choice = analysis.gains.with_longest_period
     else:
         choice = None if analysis.period is None else GainChoice(analysis.sampled_loop.law.gain, analysis.period)
-    return None if choice is None else (choice.period.seconds, tuple(choice.gain.tolist()))
+    return None if choice is None else LongestPeriod(choice.period.seconds, tuple(choice.gain.tolist()))
 
 
-def _longest_period_with_drive(controller: EmittedController) -> tuple[float, tuple[float, ...]] | None:
+def _longest_period_with_drive(controller: EmittedController) -> LongestPeriod | None:
     """Return the longest period that P9 proves with the task's drive, at the task's gain: P9's margin is beside the period."""
     task = controller.task
     finding = next(f for f in controller.certificate.findings if f.subject is Property.PERIOD)
     seconds = float(task.sampling_period + finding.margin) if finding.is_in_seconds else 0.0
-    return (seconds, tuple(float(abs(v)) for v in task.gain)) if seconds > 0 else None
+    return LongestPeriod(seconds, tuple(float(abs(v)) for v in task.gain)) if seconds > 0 else None

@@ -309,7 +309,7 @@ def _unproved_of_the_plant(controller: EmittedController) -> Iterator[str]:
     task = controller.task
     stated = "the bounds of [plant]" if task.plant.is_stated else "what Theorem 4.1 asks of a plant"
     if task.assumes_plant:
-        stated = f"bounds that are assumed, as the task has no [plant]: {assumed_words(task)}"
+        stated = f"bounds that are assumed, as [plant] states no bounds: {assumed_words(task)}"
     yield f"That your plant is within {stated}, and that nothing else acts on it."
     if task.has_drive:
         yield f"That what acts of u is as stated: {'; '.join(drive_words(task))}."

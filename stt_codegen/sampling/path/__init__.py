@@ -6,6 +6,7 @@ docs/sampling-path.md has the theorem and its proof.
 from stt_codegen.sampling.path.drive_response import Drive, DriveCells
 from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
 from stt_codegen.sampling.path.path_gain import (
+    PROVED_FACTORS,
     choose_path_gain,
     proved_disturbance_factor,
     proved_drive_factor,
@@ -21,6 +22,7 @@ from stt_codegen.sampling.path.worst_path import PathBounds, Start, WorstPath, f
 
 __all__ = [
     "LOG_BITS",
+    "PROVED_FACTORS",
     "ComponentLaw",
     "Drive",
     "DriveCells",

@@ -6,6 +6,7 @@ values of `DriveCells` are in one unit of the input, and every rounding is up (d
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -73,10 +74,9 @@ class DriveCells:
     def __init__(self, drive: Drive, input_bound: int, input_unit: Fraction, cell: Fraction) -> None:
         self.input_bound = input_bound
         self.decays = [decay_above(cell / lag) for lag in drive.lags]
-        self.slew_step = (
-            None if drive.slew is None else int(drive.slew * cell / input_unit)
-        )  # rounded down: it follows more slowly
-        self.opposite_weight = -int(-drive.opposite_weight * SHARE_ONE // 1)
+        # rounded down: it follows more slowly
+        self.slew_step = None if drive.slew is None else math.floor(drive.slew * cell / input_unit)
+        self.opposite_weight = math.ceil(drive.opposite_weight * SHARE_ONE)
         self.ramp = input_bound  # what the limit of the rate makes of the commands
         self.stages = [input_bound] * len(drive.lags)
 

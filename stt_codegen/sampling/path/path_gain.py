@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from typing import NamedTuple
 
 from stt_codegen.decimals import above
@@ -51,18 +52,15 @@ def choose_path_gain(
 def _choose_for(loop: PathLoop, disturbance: Sequence[Fraction], resting_error: Fraction, reserve: Fraction) -> PathGain | None:
     """Choose one multiple for all components of a loop."""
     resting = [resting_gain(loop, i, resting_error) for i in range(loop.n)]
+    # a gain counts only if it is proved without a reserve too: a path under smaller disturbances turns later, and may come nearer
+    is_proved = cache(lambda gain: prove_path(with_gain(loop, gain)) is not None)
     for multiples in (MULTIPLES, LAST_MULTIPLES):
         gains = [tuple(Fraction(str(above(multiple * k, GAIN_DIGITS))) for k in resting) for multiple in multiples]
         for smaller_reserve in _reserves_below(reserve):
             for gain in gains:
-                if not _is_proved_with(loop, gain, disturbance, smaller_reserve):
-                    continue
-                # a path under smaller disturbances may come nearer, which is rare
-                if smaller_reserve == reserve and prove_path(with_gain(loop, gain)) is None:
-                    continue
-                return PathGain(gain, smaller_reserve)
-            if smaller_reserve == reserve:
-                gains = [gain for gain in gains if prove_path(with_gain(loop, gain)) is not None]
+                if _is_proved_with(loop, gain, disturbance, smaller_reserve) and is_proved(gain):
+                    return PathGain(gain, smaller_reserve)
+            gains = [gain for gain in gains if is_proved(gain)]
     return None
 
 
@@ -76,7 +74,7 @@ def reserve_of_gain(loop: PathLoop, disturbance: Sequence[Fraction], reserve: Fr
 
 def _reserves_below(reserve: Fraction) -> list[Fraction]:
     """Return the factors of the disturbance to try, the largest first; the last is 1."""
-    return [1 + part * (reserve - 1) for part in RESERVE_PARTS]
+    return list(dict.fromkeys(1 + part * (reserve - 1) for part in RESERVE_PARTS))
 
 
 def _is_proved_with(loop: PathLoop, gain: Sequence[Fraction], disturbance: Sequence[Fraction], factor: Fraction) -> bool:

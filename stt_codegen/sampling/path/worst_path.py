@@ -10,6 +10,7 @@ inputs of `input_unit`, both powers of two below 2^-47 of the largest width and 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -103,24 +104,16 @@ def power_below(value: Fraction) -> Fraction:
     return power if power <= value else power / 2
 
 
-def _above(value: Fraction) -> int:
-    return -(-value.numerator // value.denominator)
-
-
-def _below(value: Fraction) -> int:
-    return value.numerator // value.denominator
-
-
 class _Law:
     """The law as it is seen from the edge that x approaches, in whole units: Psi of docs/sampling-path.md."""
 
     def __init__(self, bounds: PathBounds, length_unit: Fraction, input_unit: Fraction) -> None:
-        self.narrow = _below(bounds.narrow / length_unit)
-        self.largest = _above(bounds.input_bound / input_unit)
-        self.smallest = -self.largest if bounds.u_max is None else -_below(bounds.u_max / input_unit)
-        self.log_rounding = _above(bounds.rounding * (1 << LOG_BITS))
+        self.narrow = math.floor(bounds.narrow / length_unit)
+        self.largest = math.ceil(bounds.input_bound / input_unit)
+        self.smallest = -self.largest if bounds.u_max is None else -math.floor(bounds.u_max / input_unit)
+        self.log_rounding = math.ceil(bounds.rounding * (1 << LOG_BITS))
         factor = bounds.gain / length_unit / input_unit
-        self.weak_gain, self.strong_gain = _below(factor * (1 - bounds.rounding)), _above(factor * (1 + bounds.rounding))
+        self.weak_gain, self.strong_gain = math.floor(factor * (1 - bounds.rounding)), math.ceil(factor * (1 + bounds.rounding))
         self.clamped = self._clamped(bounds, length_unit)
 
     def _clamped(self, bounds: PathBounds, length_unit: Fraction) -> int:
@@ -128,7 +121,7 @@ class _Law:
         ratio = (1 + bounds.e_max) / (1 - bounds.e_max)
         log = log_bounds(ratio.numerator, ratio.denominator)[0] - self.log_rounding
         steepness = 4 / ((1 - bounds.e_max**2) * (bounds.wide + 2 * bounds.shift)) * length_unit
-        return -_below(self.weak_gain * log * steepness / (1 << LOG_BITS)) if log > 0 else self.largest
+        return -math.floor(self.weak_gain * log * steepness / (1 << LOG_BITS)) if log > 0 else self.largest
 
     def command(self, near: int) -> int:
         """Return an upper bound on u where the law measures at most `near` to the edge, and x crosses a tube of that width."""
@@ -164,12 +157,12 @@ class _Fall:
         cell, share = bounds.cell, bounds.filter_rate * bounds.cell
         closing = cell * bounds.closing_speed / length_unit
         return cls(
-            closing=_above(closing),
-            top=_above(closing + cell * bounds.g_max * bounds.input_bound / length_unit),
-            g_max=_above(cell * bounds.g_max * units * SHARE_ONE),
-            g_min=_below(cell * bounds.g_min * units * SHARE_ONE),
-            filter_share=_below(share * SHARE_ONE),
-            growth=_above(SHARE_ONE / (1 - share)),
+            closing=math.ceil(closing),
+            top=math.ceil(closing + cell * bounds.g_max * bounds.input_bound / length_unit),
+            g_max=math.ceil(cell * bounds.g_max * units * SHARE_ONE),
+            g_min=math.floor(cell * bounds.g_min * units * SHARE_ONE),
+            filter_share=math.floor(share * SHARE_ONE),
+            growth=math.ceil(SHARE_ONE / (1 - share)),
         )
 
     def at_edge(self, acting: int) -> int:
@@ -194,15 +187,17 @@ class _Path:
         self.input_unit = power_below(bounds.input_bound) / (1 << UNIT_BITS - 1)
         self.law = _Law(bounds, self.length_unit, self.input_unit)
         self.fall = _Fall.of(bounds, self.input_unit / self.length_unit, self.length_unit)
-        self.shift = _above(bounds.shift / self.length_unit)
-        self.age_cells = max(_above(bounds.age / self.cell), 1)  # cells from a cell's begin to the one in which its sample lies
-        self.newer_share = _below((self.age_cells - bounds.age / self.cell) * SHARE_ONE)
-        self.start_level = 0 if start is None else _below(start.nearest / self.length_unit)
+        self.shift = math.ceil(bounds.shift / self.length_unit)
+        self.age_cells = max(
+            math.ceil(bounds.age / self.cell), 1
+        )  # cells from a cell's begin to the one in which its sample lies
+        self.newer_share = math.floor((self.age_cells - bounds.age / self.cell) * SHARE_ONE)
+        self.start_level = 0 if start is None else math.floor(start.nearest / self.length_unit)
 
     @cached_property
     def first_level(self) -> int:
         """A level at which the law still asks for U, as at all levels above; the path falls to it at once."""
-        level = _above(self.bounds.wide / self.length_unit)
+        level = math.ceil(self.bounds.wide / self.length_unit)
         while (lower := level * 7 >> 3) > self.start_level and self.law.command(lower + self.shift) == self.law.largest:
             level = lower
         return level
@@ -210,7 +205,7 @@ class _Path:
     def follow(self) -> WorstPath:
         """Follow the path from the begin to its end, to the edge, or to CELL_COUNT_LIMIT."""
         fall, drive, levels = self.fall, self._drive(), [self.first_level]
-        is_started, clipped_cells = self.start is None, 0 if self.start is None else _above(self.start.first_input / self.cell)
+        is_started, clipped_cells = self.start is None, 0 if self.start is None else math.ceil(self.start.first_input / self.cell)
         slowest = max(-(-fall.closing >> SLOWEST_SHARE_BITS), 1)
         while len(levels) < CELL_COUNT_LIMIT:
             level, command = levels[-1], self._command(levels)
