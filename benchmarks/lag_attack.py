@@ -29,7 +29,7 @@ from benchmarks.suites.report import command, record, table
 from stt_codegen.sampling.path.drive_response import Drive
 from stt_codegen.sampling.path.path_proof import prove_path
 from stt_codegen.sampling.path.path_search import largest_proved
-from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, Row
+from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, WindowBounds
 from stt_codegen.sampling.path.worst_path import Start, follow_worst_path
 
 Array = npt.NDArray[Any]
@@ -134,17 +134,17 @@ class AttackedLoop:
         n, exact = self.family.dimension, Fraction
         cross = tuple(exact(self.cross) * (j != 0) for j in range(n))
         ratio = (1 + exact(self.share)) / (1 - exact(self.share))
-        row = Row(
+        window = WindowBounds(
             closing_speed=exact(self.closing_speed), cross=cross, g_min=exact(self.g_min), g_max=exact(self.g_max),
             narrow=exact(self.narrow), wide=exact(self.wide),
         )  # fmt: skip
-        rows = tuple((replace(row, cross=tuple(exact(self.cross) * (i != j) for j in range(n))),) for i in range(n))
+        windows = tuple((replace(window, cross=tuple(exact(self.cross) * (i != j) for j in range(n))),) for i in range(n))
         law = ComponentLaw(
             gain=exact(self.gain), e_max=exact(E_MAX), shift=exact(self.noise) + exact(1, 10**9), u_max=exact(self.u_max),
             rounding=ROUNDING, filter_rate=exact(self.filter_rate), rho_at_start=ratio,
         )  # fmt: skip
         return PathLoop(
-            begins=(exact(0),), rows=rows, laws=(law,) * n, drives=(self.drive,) * n,
+            begins=(exact(0),), windows=windows, laws=(law,) * n, drives=(self.drive,) * n,
             age=exact(self.period) + exact(self.latency), latency=exact(self.latency), largest_known_age=math.inf,
         )  # fmt: skip
 
@@ -194,8 +194,8 @@ def prove(loop: AttackedLoop, omitted: str = "") -> ProvedLoop | None:
     if not omitted:
         proof = prove_path(path_loop)
         return None if proof is None else ProvedLoop(loop, max(math.log(v) for v in proof.rho), float(max(proof.u)))
-    law, row = path_loop.laws[0], path_loop.rows[0][0]
-    u = law.input_bound(row.narrow, (1 + law.e_max) / (1 - law.e_max))
+    law, window = path_loop.laws[0], path_loop.windows[0][0]
+    u = law.input_bound(window.narrow, (1 + law.e_max) / (1 - law.e_max))
     assert u is not None
     halved = u / 2 if omitted == "input" else u
     bounds = path_loop.bounds_over(0, 0, 0, [halved] * path_loop.n)

@@ -166,7 +166,7 @@ class Robot:
 
     def parts(self) -> list[tuple[PathLoop, list[Fraction], list[Fraction]]]:
         """Return the loops that have choices of their own, with balancing gains and needed inputs: all or one component."""
-        if any(any(row.cross) for rows in self.loop.rows for row in rows):
+        if any(any(window.cross) for windows in self.loop.windows for window in windows):
             return [(self.loop, self.balancing, self.needed)]
         return [(self.loop.component(i), self.balancing[i : i + 1], self.needed[i : i + 1]) for i in range(self.loop.n)]
 

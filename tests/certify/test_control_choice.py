@@ -14,7 +14,7 @@ import stt_codegen as stt
 from stt_codegen.certify.sampled.control_choice import PERIOD_WITH_MARGIN
 from stt_codegen.controller import edge_and_rate_errors
 from stt_codegen.designs import require_refined
-from stt_codegen.pipeline import EmittedController
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.report import control_notes
 from stt_codegen.report.figures.control_notes import choice_lines
 from stt_codegen.sampling import LIMIT_FACTORS, exact_loop, loop_of, needed_input, path_loop_of
@@ -126,6 +126,7 @@ def test_a_tight_gain_keeps_the_state_nearer_to_the_middle_than_the_gentle_one()
 
 
 def test_the_limit_is_one_and_a_half_times_what_is_needed_and_more_with_a_lag_only_where_that_is_not_proved() -> None:
+    factors = list[Fraction]()
     for text in (CART, STATED, LATE, LATE.replace("lag = 0.08", "lag = 0.14")):
         controller = build_once(parse_task(text))
         task = controller.task
@@ -137,13 +138,15 @@ def test_the_limit_is_one_and_a_half_times_what_is_needed_and_more_with_a_lag_on
             min(LIMIT_FACTORS, key=lambda f: abs(f * v - u)) for u, v in zip(task.u_max, map(Fraction, needed), strict=True)
         }
         assert all(0 <= u - factor * Fraction(v) < u / 100 for u, v in zip(task.u_max, needed, strict=True))
+        factors.append(factor)
         if factor == LIMIT_FACTORS[0]:
             continue
         assert task.has_late_input
         smaller = LIMIT_FACTORS[LIMIT_FACTORS.index(factor) - 1]
         limited = task.changed(control={"u_max": [f"{float(smaller) * v:.3g}" for v in needed]})
-        with_less = build_once(limited)
+        with_less = build_task(limited, uncertified=True)
         assert not is_proved(path_loop(with_less), list(with_less.task.gain), forces(with_less), task.reserve)
+    assert factors == [Fraction(3, 2)] * 3 + [Fraction(9, 5)]
 
 
 def test_a_limit_that_is_chosen_is_told_and_a_task_without_a_period_is_warned() -> None:

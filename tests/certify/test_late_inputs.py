@@ -249,7 +249,7 @@ def test_every_remedy_of_a_refusal_works(lag: str) -> None:
 
 def test_a_drive_that_no_gain_can_use_is_refused_with_the_tubes_width_over_speed() -> None:
     with pytest.raises(
-        stt.NotCertified, match=r"inputs are too late for this tube: .* is 1\.51\d* s, and width over closing speed is 0\.\d+ s"
+        stt.NotCertified, match=r"inputs are too late for this tube: .* is 1\.5\d* s, and width over closing speed is 0\.\d+ s"
     ):
         build_once(parse_task(CART.replace("lag = 0.08", "lag = 1.5")))
 

@@ -19,7 +19,7 @@ from stt_codegen.sampling.path.drive_response import SHARE_ONE, Drive, DriveCell
 from stt_codegen.sampling.path.integer_logarithm import ARTANH_ERROR, LOG_BITS, log_bounds, twice_artanh
 from stt_codegen.sampling.path.path_proof import follow_from_start, follow_local_paths, prove_path, prove_path_for
 from stt_codegen.sampling.path.path_search import largest_drive_factor, largest_proved, longest_path_period
-from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, Row
+from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, WindowBounds
 from stt_codegen.sampling.path.worst_path import PathBounds, Start, follow_worst_path
 
 F = Fraction
@@ -97,7 +97,7 @@ def test_the_series_is_never_too_large_and_the_error_is_within_its_bound() -> No
 def psi(bounds: PathBounds, level: float) -> Fraction:
     """Return the bound on u where x is at most so far from the edge."""
     path = worst_path._Path(bounds, None)
-    return path.law.command(worst_path._above(F(level) / path.length_unit) + path.shift) * path.input_unit
+    return path.law.command(math.ceil(F(level) / path.length_unit) + path.shift) * path.input_unit
 
 
 def test_psi_rises_and_is_at_most_the_bound_on_the_input() -> None:
@@ -350,21 +350,21 @@ def test_a_path_that_proves_nothing_has_no_rho() -> None:
 # ------------------------------------------------------------------------------------------------------ whole loops
 
 
-def row(speed: float, narrow: float, wide: float, cross: tuple[Fraction, ...] = (F(0),)) -> Row:
-    return Row(closing_speed=F(speed), cross=cross, g_min=F(1), g_max=F(1), narrow=F(narrow), wide=F(wide))
+def window(speed: float, narrow: float, wide: float, cross: tuple[Fraction, ...] = (F(0),)) -> WindowBounds:
+    return WindowBounds(closing_speed=F(speed), cross=cross, g_min=F(1), g_max=F(1), narrow=F(narrow), wide=F(wide))
 
 
-def loop_of_rows(rows: list[Row], drive: Drive = BOUNDS.drive, **law: Fraction) -> PathLoop:
+def loop_of_windows(windows: list[WindowBounds], drive: Drive = BOUNDS.drive, **law: Fraction) -> PathLoop:
     """Return a loop of one component whose windows last half a second each."""
     values = {
         "gain": F(1, 25), "e_max": F(99, 100), "shift": F(1, 200), "u_max": F(2), "rounding": F(1, 1 << 19),
         "filter_rate": F(0), "rho_at_start": F(19),
     }  # fmt: skip
     component = ComponentLaw(**(values | law))
-    begins = tuple(F(k, 2) for k in range(len(rows)))
+    begins = tuple(F(k, 2) for k in range(len(windows)))
     return PathLoop(
         begins=begins,
-        rows=(tuple(rows),),
+        windows=(tuple(windows),),
         laws=(component,),
         drives=(drive,),
         age=F(1, 50),
@@ -373,12 +373,12 @@ def loop_of_rows(rows: list[Row], drive: Drive = BOUNDS.drive, **law: Fraction) 
     )
 
 
-SLOW_WIDE = [row(0.35, 0.8, 0.8)] * 6
-FAST_WIDE = [row(1.5, 1.6, 1.6)] * 6
+SLOW_WIDE = [window(0.35, 0.8, 0.8)] * 6
+FAST_WIDE = [window(1.5, 1.6, 1.6)] * 6
 
 
 def test_recent_bounds_prove_what_bounds_of_the_whole_time_do_not() -> None:
-    loop = loop_of_rows(SLOW_WIDE + [row(0.6, 1.2, 1.2)] * 4 + FAST_WIDE)
+    loop = loop_of_windows(SLOW_WIDE + [window(0.6, 1.2, 1.2)] * 4 + FAST_WIDE)
     assert follow_from_start(loop, 0, [F(2)]) is None
     path = follow_local_paths(loop, 0, [F(2)])
     assert path is not None
@@ -391,21 +391,21 @@ def test_recent_bounds_prove_what_bounds_of_the_whole_time_do_not() -> None:
 
 
 def test_bounds_older_than_the_history_do_not_matter_but_the_inputs_of_all_time_do() -> None:
-    gentle = loop_of_rows([row(0.5, 1.0, 1.0)] * 12)
+    gentle = loop_of_windows([window(0.5, 1.0, 1.0)] * 12)
     path = follow_local_paths(gentle, 0, [F(2)])
     assert path is not None
     assert path.history is not None
     last = len(gentle.begins) - 1
-    old = gentle.row_at(gentle.begins[last] - path.history)
+    old = gentle.window_at(gentle.begins[last] - path.history)
     assert 0 < old < last
-    harder = loop_of_rows([row(0.9, 0.9, 1.1)] * old + [row(0.5, 1.0, 1.0)] * (last + 1 - old))
+    harder = loop_of_windows([window(0.9, 0.9, 1.1)] * old + [window(0.5, 1.0, 1.0)] * (last + 1 - old))
     assert harder.bounds_over(0, old, last, [F(2)]) == gentle.bounds_over(0, old, last, [F(2)])
-    unlimited = loop_of_rows([row(0.9, 0.9, 1.1)] * old + [row(0.5, 1.0, 1.0)] * (last + 1 - old), u_max=None)
+    unlimited = loop_of_windows([window(0.9, 0.9, 1.1)] * old + [window(0.5, 1.0, 1.0)] * (last + 1 - old), u_max=None)
     assert unlimited.input_bound(0, F(50)) == unlimited.laws[0].input_bound(F(0.9), F(50))  # of the first, narrowest window
 
 
 def test_the_proof_of_a_loop_holds_for_its_own_rho_and_for_no_smaller_one_of_the_paths() -> None:
-    loop = loop_of_rows(SLOW_WIDE, u_max=None)
+    loop = loop_of_windows(SLOW_WIDE, u_max=None)
     proof = prove_path(loop)
     assert proof is not None
     path = follow_from_start(loop, 0, proof.u)
@@ -422,16 +422,16 @@ def test_the_proof_of_a_loop_holds_for_its_own_rho_and_for_no_smaller_one_of_the
 def test_inputs_of_other_components_count_with_their_overshoot() -> None:
     cross = (F(0), F(1, 10))
     drives = (Drive(), Drive(overshoot=F(1, 5)))
-    base = loop_of_rows([row(0.5, 1.0, 1.0, cross)])
-    loop = replace(base, rows=base.rows * 2, laws=base.laws * 2, drives=drives)
+    base = loop_of_windows([window(0.5, 1.0, 1.0, cross)])
+    loop = replace(base, windows=base.windows * 2, laws=base.laws * 2, drives=drives)
     assert loop.bounds_over(0, 0, 0, [F(1), F(2)]).closing_speed == F(1, 2) + F(1, 10) * 2 * F(3, 2)
 
 
 def test_a_component_that_little_moves_has_a_path_that_ends() -> None:
     """P is raised to a part of its largest value, or of what the input moves, and never lowered."""
-    moving = loop_of_rows([row(0, 0.6, 0.6), row(0.005, 0.6, 0.6), row(0.5, 1.0, 1.0)])
+    moving = loop_of_windows([window(0, 0.6, 0.6), window(0.005, 0.6, 0.6), window(0.5, 1.0, 1.0)])
     assert [moving.bounds_over(0, k, k, [F(2)]).closing_speed for k in range(3)] == [F(1, 100), F(1, 100), F(1, 2)]
-    at_rest = loop_of_rows([row(0, 0.6, 0.6)] * 6)
+    at_rest = loop_of_windows([window(0, 0.6, 0.6)] * 6)
     assert at_rest.bounds_over(0, 0, 5, [F(2)]).closing_speed == F(1, 128)
     proof = prove_path(at_rest)
     assert proof is not None
@@ -439,7 +439,7 @@ def test_a_component_that_little_moves_has_a_path_that_ends() -> None:
 
 
 def test_a_plant_whose_bounds_are_not_known_for_such_an_age_is_not_proved() -> None:
-    loop = loop_of_rows(SLOW_WIDE)
+    loop = loop_of_windows(SLOW_WIDE)
     assert prove_path(loop) is not None
     assert prove_path(replace(loop, largest_known_age=F(1, 100))) is None
 
@@ -448,7 +448,7 @@ def test_searches_return_the_largest_value_that_is_proved() -> None:
     assert largest_proved(lambda v: v <= F(3, 7), F(1)) == pytest.approx(3 / 7, rel=2**-11)
     assert largest_proved(lambda v: v <= F(30), F(1)) == pytest.approx(30, rel=2**-11)
     assert largest_proved(lambda _: False, F(1)) is None
-    loop = loop_of_rows(SLOW_WIDE)
+    loop = loop_of_windows(SLOW_WIDE)
     period, factor = longest_path_period(loop, F(1, 10)), largest_drive_factor(loop)
     assert period is not None
     assert factor is not None

@@ -97,7 +97,7 @@ def late_advice(task: Task, loop: PathLoop) -> str:
 def _delay_beside_tube(loop: PathLoop) -> tuple[Fraction, Fraction]:
     """Return the largest delay of a drive with 0.6 of the age of a sample, and the least W/P of any window, in seconds."""
     delays = (drive.delay(law.u_max or Fraction(1)) for drive, law in zip(loop.drives, loop.laws, strict=True))
-    crossings = (row.narrow / row.closing_speed for rows in loop.rows for row in rows if row.closing_speed)
+    crossings = (window.narrow / window.closing_speed for windows in loop.windows for window in windows if window.closing_speed)
     return max(delays) + Fraction(3, 5) * loop.age, min(crossings, default=Fraction(1))
 
 

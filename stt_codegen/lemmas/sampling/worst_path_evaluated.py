@@ -23,8 +23,8 @@ from stt_codegen.sampling.path import (
     DriveCells,
     PathBounds,
     PathLoop,
-    Row,
     Start,
+    WindowBounds,
     WorstPath,
     follow_worst_path,
     log_bounds,
@@ -254,8 +254,8 @@ def _prove_path_evaluated() -> Outcome:
 
 # ------------------------------------------------------------------------------------------------ whole loops
 
-ROWS = tuple(
-    Row(closing_speed=s, cross=(F(0), c), g_min=F(9, 10) + s / 100, g_max=F(11, 10) + c, narrow=w, wide=w * F(21, 20))
+WINDOWS = tuple(
+    WindowBounds(closing_speed=s, cross=(F(0), c), g_min=F(9, 10) + s / 100, g_max=F(11, 10) + c, narrow=w, wide=w * F(21, 20))
     for s, c, w in (
         (F(4, 10), F(1, 50), F(9, 10)),
         (F(5, 10), F(1, 40), F(1)),
@@ -272,10 +272,12 @@ LAW = ComponentLaw(
 
 def loop_of_drive(drive: Drive, latency: Fraction) -> PathLoop:
     """Return a loop of two coupled components in six windows of two thirds of a second."""
-    second = tuple(replace(row, cross=(row.cross[1], F(0)), closing_speed=row.closing_speed * F(9, 10)) for row in ROWS)
+    second = tuple(
+        replace(window, cross=(window.cross[1], F(0)), closing_speed=window.closing_speed * F(9, 10)) for window in WINDOWS
+    )
     return PathLoop(
-        begins=tuple(F(2 * k, 3) for k in range(len(ROWS))),
-        rows=(ROWS, second),
+        begins=tuple(F(2 * k, 3) for k in range(len(WINDOWS))),
+        windows=(WINDOWS, second),
         laws=(LAW, replace(LAW, gain=F(1, 25), rho_at_start=F(7))),
         drives=(drive, Drive(overshoot=F(1, 10))),
         age=F(1, 40) + latency,
@@ -289,28 +291,29 @@ def _prove_joined() -> Outcome:
     loop, failures, case_count = loop_of_drive(DRIVES[1], F(1, 100)), list[str](), 0
     inputs = (F(2), F(9, 4))
     acting = F(9, 4) * (1 + 2 * F(1, 9))  # of the other component
-    for first in range(len(ROWS)):
-        for last in range(first, len(ROWS)):
-            bounds, rows = loop.bounds_over(0, first, last, inputs), ROWS[first : last + 1]
+    for first in range(len(WINDOWS)):
+        for last in range(first, len(WINDOWS)):
+            bounds, windows = loop.bounds_over(0, first, last, inputs), WINDOWS[first : last + 1]
             expected = (
-                max(r.closing_speed + r.cross[1] * acting for r in rows), min(r.g_min for r in rows), max(r.g_max for r in rows),
-                min(r.narrow for r in rows), max(r.wide for r in rows), F(2), F(7, 200), DRIVES[1],
+                max(r.closing_speed + r.cross[1] * acting for r in windows), min(r.g_min for r in windows),
+                max(r.g_max for r in windows), min(r.narrow for r in windows), max(r.wide for r in windows), F(2), F(7, 200),
+                DRIVES[1],
             )  # fmt: skip
             values = (
                 bounds.closing_speed, bounds.g_min, bounds.g_max, bounds.narrow, bounds.wide, bounds.input_bound, bounds.age,
                 bounds.drive,
             )  # fmt: skip
             case_count += 1
-            failures += [] if values == expected else [f"bounds over rows {first} to {last}"]
+            failures += [] if values == expected else [f"bounds over windows {first} to {last}"]
     start, component = loop.start(1), loop.component(1)
     failures += [] if (start.nearest, start.first_input) == (F(9, 10) / 8, F(1, 100)) else ["the start"]
     failures += (
-        [] if component.rows[0][2].closing_speed == F(54, 100) and component.drives == loop.drives[1:] else ["a component"]
+        [] if component.windows[0][2].closing_speed == F(54, 100) and component.drives == loop.drives[1:] else ["a component"]
     )
-    failures += [] if [loop.row_at(F(t, 3)) for t in (0, 1, 2, 9, 30)] == [0, 0, 1, 4, 5] else ["the row of a time"]
+    failures += [] if [loop.window_at(F(t, 3)) for t in (0, 1, 2, 9, 30)] == [0, 0, 1, 4, 5] else ["the window of a time"]
     failures += [] if loop.with_period(F(1, 5)).age == F(21, 100) else ["the age of another period"]
     return all_of(
-        outcome_of_cases(case_count + 4, failures, "bounds, starts and rows are those of the windows"), _check_input_bound()
+        outcome_of_cases(case_count + 4, failures, "bounds, starts and windows are those of the windows"), _check_input_bound()
     )
 
 
@@ -335,14 +338,14 @@ def _check_input_bound() -> Outcome:
 def changing_loop() -> PathLoop:
     """Return a loop whose tube is narrow and slow at first and wide and quick later, which only recent bounds prove."""
     speeds_and_widths = [(F(35, 100), F(8, 10))] * 6 + [(F(6, 10), F(12, 10))] * 4 + [(F(3, 2), F(8, 5))] * 6
-    rows = tuple(
-        Row(closing_speed=speed, cross=(F(0),), g_min=F(1), g_max=F(1), narrow=width, wide=width)
+    windows = tuple(
+        WindowBounds(closing_speed=speed, cross=(F(0),), g_min=F(1), g_max=F(1), narrow=width, wide=width)
         for speed, width in speeds_and_widths
     )
-    begins = tuple(F(k, 2) for k in range(len(rows)))
+    begins = tuple(F(k, 2) for k in range(len(windows)))
     law = replace(LAW, gain=F(1, 25), shift=F(1, 200), u_max=F(2), rho_at_start=F(19))
     drive = Drive((F(6, 100),))
-    return replace(loop_of_drive(drive, F(0)), begins=begins, rows=(rows,), laws=(law,), drives=(drive,), age=F(1, 50))
+    return replace(loop_of_drive(drive, F(0)), begins=begins, windows=(windows,), laws=(law,), drives=(drive,), age=F(1, 50))
 
 
 def _prove_proof() -> Outcome:
@@ -448,7 +451,7 @@ LEMMAS = (
     ),
     Lemma(
         "path.proof",
-        "The code's proof needs what the paths of all windows need: rows that it leaves out are covered.",
+        "The code's proof needs what the paths of all windows need: windows that it leaves out are covered.",
         r"\rho_i > W^+/Q_{pk} - 1",
         (),
         "the evaluated code",

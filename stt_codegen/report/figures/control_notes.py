@@ -84,7 +84,7 @@ def _resting_error(loop: PathLoop, i: int, gain: Fraction) -> float:
 def _answer_to_noise(loop: PathLoop, e: float) -> list[float]:
     """Return by component what the error of a measured distance moves u by at |e|, where the tube is narrowest."""
     slope = (1 + 2 * e * math.atanh(e)) / (1 - e * e) ** 2
-    widths = [float(min(row.narrow for row in rows)) for rows in loop.rows]
+    widths = [float(min(window.narrow for window in windows)) for windows in loop.windows]
     return [16 * float(law.gain) / w**2 * slope * float(law.shift) for law, w in zip(loop.laws, widths, strict=True)]
 
 

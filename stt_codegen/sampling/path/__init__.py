@@ -17,7 +17,7 @@ from stt_codegen.sampling.path.path_gain import (
 )
 from stt_codegen.sampling.path.path_proof import PathProof, prove_path, prove_path_for
 from stt_codegen.sampling.path.path_search import largest_drive_factor, longest_path_period
-from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, Row
+from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, WindowBounds
 from stt_codegen.sampling.path.worst_path import PathBounds, Start, WorstPath, follow_worst_path
 
 __all__ = [
@@ -29,8 +29,8 @@ __all__ = [
     "PathBounds",
     "PathLoop",
     "PathProof",
-    "Row",
     "Start",
+    "WindowBounds",
     "WorstPath",
     "choose_path_gain",
     "follow_worst_path",

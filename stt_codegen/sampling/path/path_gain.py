@@ -40,7 +40,7 @@ def choose_path_gain(
     which the reserve is a multiple. Where inputs are coupled, all components have one multiple. None where no gain that is tried
     is proved.
     """
-    if any(any(row.cross) for rows in loop.rows for row in rows):
+    if any(any(window.cross) for windows in loop.windows for window in windows):
         return _choose_for(loop, disturbance, resting_error, reserve)
     choices = [_choose_for(loop.component(i), disturbance[i : i + 1], resting_error, reserve) for i in range(loop.n)]
     proved = [choice for choice in choices if choice is not None]
@@ -115,12 +115,12 @@ def resting_gain(loop: PathLoop, i: int, resting_error: Fraction) -> Fraction:
     """
     ratio = (1 + resting_error) / (1 - resting_error)
     log = Fraction(log_bounds(ratio.numerator, ratio.denominator)[0], 1 << LOG_BITS)
-    if any(row.closing_speed or any(row.cross) for row in loop.rows[i]):
+    if any(window.closing_speed or any(window.cross) for window in loop.windows[i]):
         limits = [law.u_max or Fraction(0) for law in loop.laws]
-        rows = [loop.bounds_over(i, k, k, limits) for k in range(len(loop.begins))]
-        balance = max(b.closing_speed * b.wide / b.g_min for b in rows)
+        windows = [loop.bounds_over(i, k, k, limits) for k in range(len(loop.begins))]
+        balance = max(b.closing_speed * b.wide / b.g_min for b in windows)
     else:
-        balance = max(row.wide for row in loop.rows[i]) ** 2 / loop.begins[-1]
+        balance = max(window.wide for window in loop.windows[i]) ** 2 / loop.begins[-1]
     return balance * (1 - resting_error**2) / (4 * log)
 
 
@@ -128,7 +128,8 @@ def with_gain(loop: PathLoop, gain: Sequence[Fraction], added_disturbance: Seque
     """Return the loop with another |k|, and with more disturbance, by component."""
     laws = tuple(replace(law, gain=k) for law, k in zip(loop.laws, gain, strict=True))
     added = added_disturbance or [Fraction(0)] * loop.n
-    rows = tuple(
-        tuple(replace(row, closing_speed=row.closing_speed + v) for row in rows) for rows, v in zip(loop.rows, added, strict=True)
+    windows = tuple(
+        tuple(replace(window, closing_speed=window.closing_speed + v) for window in windows)
+        for windows, v in zip(loop.windows, added, strict=True)
     )
-    return replace(loop, laws=laws, rows=rows)
+    return replace(loop, laws=laws, windows=windows)

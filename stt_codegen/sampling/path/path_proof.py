@@ -106,7 +106,7 @@ def _decimal_above(value: Fraction) -> Fraction:
 
 
 def follow_from_start(loop: PathLoop, i: int, inputs: Sequence[Fraction], last: int | None = None) -> ComponentPath | None:
-    """Follow the path of component i from its start, with the bounds of all rows up to `last`; None where it meets the edge.
+    """Follow the path of component i from its start, with the bounds of all windows up to `last`; None where it meets the edge.
 
     inputs: a bound on each |u_j|.
     """
@@ -117,7 +117,7 @@ def follow_from_start(loop: PathLoop, i: int, inputs: Sequence[Fraction], last: 
 
 
 def follow_local_paths(loop: PathLoop, i: int, inputs: Sequence[Fraction]) -> ComponentPath | None:
-    """Follow the paths of component i for every row with the bounds of the last A seconds, and one path for the rows before A.
+    """Follow the paths of component i, for every window with the bounds of the last A seconds, and one for the windows before A.
 
     A starts at the delay of the sample and the drive and is raised until no path needs more. None where a path meets the edge,
     or no A fits.
@@ -145,12 +145,12 @@ def follow_local_paths(loop: PathLoop, i: int, inputs: Sequence[Fraction]) -> Co
 def _uncovered_paths(
     loop: PathLoop, i: int, inputs: Sequence[Fraction], first_local: int, history: Fraction
 ) -> Iterator[tuple[PathBounds, WorstPath]]:
-    """Yield the paths of the rows from `first_local` on, but for rows whose bounds those of another row cover.
+    """Yield the paths of the windows from `first_local` on, but for windows whose bounds those of another window cover.
 
-    A row whose speed is large for its width comes first, since it is the most likely to fail.
+    A window whose speed is large for its width comes first, since it is the most likely to fail.
     """
     candidates = [
-        loop.bounds_over(i, loop.row_at(loop.begins[k] - history), k, inputs) for k in range(first_local, len(loop.begins))
+        loop.bounds_over(i, loop.window_at(loop.begins[k] - history), k, inputs) for k in range(first_local, len(loop.begins))
     ]
     candidates.sort(key=lambda b: (b.closing_speed + b.g_max * b.input_bound) / b.narrow, reverse=True)
     followed: list[PathBounds] = []

@@ -1,7 +1,7 @@
 """A sampled loop as the worst path needs it: bounds by component, over any stretch of time windows, in exact fractions.
 
-`PathLoop` is made of a `SampledLoop` in fractions. A row is a time window. A tube that repeats has its cycle's rows a second
-time behind the first, so that the windows before any window are the rows before it.
+`PathLoop` is made of a `SampledLoop` in fractions. A tube that repeats has its cycle's windows a second time behind the first, so
+that the windows with smaller numbers are those before.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ SMALLEST_SPEED_SHARE, SMALLEST_INPUT_EFFECT = Fraction(1, 50), Fraction(1, 256)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class WindowBounds:
     """The bounds of one component in one window: P without the other inputs, |g_ij| by j, and g_ii, and the widths."""
 
     closing_speed: Fraction
@@ -67,12 +67,12 @@ class ComponentLaw:
 class PathLoop:
     """A loop for the worst path.
 
-    begins: when each row begins, seconds. rows[i][k]: of component i in row k. laws, drives: by component. age: tau. latency:
-    seconds in which no input needs to act. largest_known_age: as in `SampledLoop`.
+    begins: when each window begins, seconds. windows[i][k]: of component i in window k. laws, drives: by component. age: tau.
+    latency: seconds in which no input needs to act. largest_known_age: as in `SampledLoop`.
     """
 
     begins: tuple[Fraction, ...]
-    rows: tuple[tuple[Row, ...], ...]
+    windows: tuple[tuple[WindowBounds, ...], ...]
     laws: tuple[ComponentLaw, ...]
     drives: tuple[Drive, ...]
     age: Fraction
@@ -110,9 +110,9 @@ class PathLoop:
             )
         }
 
-        def row(i: int, k: int) -> Row:
+        def window(i: int, k: int) -> WindowBounds:
             numbers = {name: Fraction(values[k][i]) for name, values in columns.items() if name != "cross"}
-            return Row(cross=tuple(Fraction(v) for v in columns["cross"][k][i]), **numbers)
+            return WindowBounds(cross=tuple(Fraction(v) for v in columns["cross"][k][i]), **numbers)
 
         law, rates = loop.law, [*filter_rates] or [Fraction(0)] * n
         laws = [
@@ -127,11 +127,11 @@ class PathLoop:
             )
             for i in range(n)
         ]
-        rows = tuple(tuple(row(i, k) for k in order) for i in range(n))
+        windows = tuple(tuple(window(i, k) for k in order) for i in range(n))
         latency = Fraction(law.latency)
         return cls(
             begins=tuple(begins),
-            rows=rows,
+            windows=windows,
             laws=tuple(laws),
             drives=tuple(drives),
             age=period + latency,
@@ -149,8 +149,8 @@ class PathLoop:
 
     def component(self, i: int) -> PathLoop:
         """Return the loop of component i alone, for a plant whose inputs are not coupled."""
-        rows = tuple(replace(row, cross=(Fraction(0),)) for row in self.rows[i])
-        return replace(self, rows=(rows,), laws=(self.laws[i],), drives=(self.drives[i],))
+        windows = tuple(replace(window, cross=(Fraction(0),)) for window in self.windows[i])
+        return replace(self, windows=(windows,), laws=(self.laws[i],), drives=(self.drives[i],))
 
     def with_laws(self, laws: Sequence[ComponentLaw]) -> PathLoop:
         """Return the same loop with other laws, by component."""
@@ -163,14 +163,14 @@ class PathLoop:
 
     @cached_property
     def _largest(self) -> list[tuple[Fraction, tuple[Fraction, ...], Fraction]]:
-        """The largest P, |g_ij| by j, and g_ii of each component over all rows."""
+        """The largest P, |g_ij| by j, and g_ii of each component over all windows."""
         return [
             (
-                max(row.closing_speed for row in rows),
-                tuple(map(max, zip(*(row.cross for row in rows), strict=True))),
-                max(row.g_max for row in rows),
+                max(window.closing_speed for window in windows),
+                tuple(map(max, zip(*(window.cross for window in windows), strict=True))),
+                max(window.g_max for window in windows),
             )
-            for rows in self.rows
+            for windows in self.windows
         ]
 
     @property
@@ -180,28 +180,28 @@ class PathLoop:
 
     def start(self, i: int) -> Start:
         """Return how runs of component i start."""
-        return Start(self.rows[i][0].narrow / (1 + self.laws[i].rho_at_start), self.latency)
+        return Start(self.windows[i][0].narrow / (1 + self.laws[i].rho_at_start), self.latency)
 
     def bounds_over(self, i: int, first: int, last: int, inputs: Sequence[Fraction]) -> PathBounds:
-        """Return the bounds of component i over the rows `first` to `last`.
+        """Return the bounds of component i over the windows `first` to `last`.
 
         inputs: a bound on each |u_j| at all times, since a drive remembers older commands.
         """
-        rows, law = self.rows[i][first : last + 1], self.laws[i]
+        windows, law = self.windows[i][first : last + 1], self.laws[i]
         acting = [drive.amplification * u for drive, u in zip(self.drives, inputs, strict=True)]
-        pushed = (r.closing_speed + _effect(r.cross, acting) for r in rows)
+        pushed = (r.closing_speed + _effect(r.cross, acting) for r in windows)
         largest_speed, largest_cross, largest_g = self._largest[i]
         smallest_speed = SMALLEST_SPEED_SHARE * (largest_speed + _effect(largest_cross, acting))
         return PathBounds(
             closing_speed=max(*pushed, smallest_speed or SMALLEST_INPUT_EFFECT * largest_g * inputs[i]),
             filter_rate=law.filter_rate,
-            g_min=min(r.g_min for r in rows),
-            g_max=max(r.g_max for r in rows),
+            g_min=min(r.g_min for r in windows),
+            g_max=max(r.g_max for r in windows),
             input_bound=inputs[i],
             u_max=law.u_max,
             gain=law.gain,
-            narrow=min(r.narrow for r in rows),
-            wide=max(r.wide for r in rows),
+            narrow=min(r.narrow for r in windows),
+            wide=max(r.wide for r in windows),
             shift=law.shift,
             rounding=law.rounding,
             e_max=law.e_max,
@@ -210,11 +210,11 @@ class PathLoop:
         )
 
     def input_bound(self, i: int, rho: Fraction) -> Fraction | None:
-        """Return U of component i while |eps| < E in all rows; rho: e^E. None where nothing bounds it."""
-        return self.laws[i].input_bound(min(row.narrow for row in self.rows[i]), rho)
+        """Return U of component i while |eps| < E in all windows; rho: e^E. None where nothing bounds it."""
+        return self.laws[i].input_bound(min(window.narrow for window in self.windows[i]), rho)
 
-    def row_at(self, time: Fraction) -> int:
-        """Return the last row that begins at or before a time that is not negative."""
+    def window_at(self, time: Fraction) -> int:
+        """Return the last window that begins at or before a time that is not negative."""
         return max(k for k, begin in enumerate(self.begins) if begin <= time)
 
 
