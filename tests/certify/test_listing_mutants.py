@@ -30,6 +30,7 @@ UNSEEN = SAME_VALUES | {
     r"^(?!.*(?:inside|x_above|x_below|z_above|z_below) = ).* < .* -> .* <= ": "both choices are equal where the compared values are",
     r"segment of a tick: .*early \? whole": "the last segment is counted up to the end",
     r"margin: return margin; -> return margin_next;": "it does not compile",
+    r"scale u: .*divisor = .* -> .*divisor = more": "it does not compile: `more` ends with the loop",
     r"transform: .*(?:e_above|e_limited) = ": "the clamp of e is for rounding alone: the distances are clamped before",
     r"isfinite|sum of zeros|inputs that are not finite": "tests for NaN are for the reader's eye",
     r"z_beyond = z_distance <": "the distances of v + lambda x are large in these examples",
