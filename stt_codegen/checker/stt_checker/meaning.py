@@ -52,6 +52,9 @@ def check_functions(options: set[str]) -> None:
         state = controller.state(u, *positions)
         controller.check_law(partial(c.control, t), state)
         controller.check_margins(t, state)
+    for positions in 4 * states if "scaled" in options else []:  # with u about as large as its limit, which is far below 1
+        controller.lists["gain"][:] = [random_number() * controller.numbers["limit"] for _ in positions[0]]
+        controller.check_law(partial(c.control, t), controller.state(u, *positions))
     for tick in range(14) if "ticks" in options else ():
         u = min(Fraction(3 * min(tick, 12), controller.divisor), Fraction(controller.segments))
         controller.check_law(partial(c.control_tick, tick), controller.state(u, *states[tick % len(states)]))

@@ -5,8 +5,8 @@ unsafe set, stays in the state space, is at least 0.05 wide, and ends in the tar
 The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
 at rest in it; gamma(0) is in the certificate.
 The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
-w| <= [0.5, 0.53, 0.4], 0.85 <= g_ii <= 1.18, |g_ij| <= [0.05, 0.05, 0], x measured to 0.003, u 0.002 s after its
-sample at most, v measured to 0.01: |e| of v + lambda x < [0.8745, 0.8849, 0.8661], |u| <= [2.1, 2.5, 1.1].
+w| <= [0.5, 0.53, 0.4], 0.85 <= g_ii <= 1.18, |g_ij| <= [0.05, 0.05, 0], x measured to 0.003, u acts at most 0.002
+s after its sample, v measured to 0.01: |e| of v + lambda x < [0.8745, 0.8849, 0.8661], |u| <= [2.1, 2.5, 1.1].
 
 The same functions as base.c (double precision there) in double arithmetic on the same constants.
 Arrays come in as sequences of 3 numbers and go out as tuples.

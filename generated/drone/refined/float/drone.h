@@ -5,8 +5,8 @@
  * The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
  * at rest in it; gamma(0) is in the certificate.
  * The state stays in it (P9) sampled every 0.025 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
- * w| <= 0.35, 0.95 <= g_ii <= 1.05, |g_ij| <= 0, x measured to 0.005, u 0.004 s after its sample at most, v measured
- * to 0.02: |e| of v + lambda x < [0.9346, 0.9346, 0.9377], |u| <= 2.5.
+ * w| <= 0.35, 0.95 <= g_ii <= 1.05, |g_ij| <= 0, x measured to 0.005, u acts at most 0.004 s after its sample, v
+ * measured to 0.02: |e| of v + lambda x < [0.9346, 0.9346, 0.9377], |u| <= 2.5.
  *
  * Call drone_control once every period with the time since the start and the measured x and v. It keeps no state and
  * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.

@@ -3,7 +3,7 @@
  * Certified (rover.certificate.json): for every t the tube keeps 0.03 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
  * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9, for |f + w| <= 0.1,
- * 0.99 <= g_ii <= 1.01, |g_ij| <= 0.1, x measured to 0.005, u 0.002 s after its sample at most: |e| < [0.9119,
+ * 0.99 <= g_ii <= 1.01, |g_ij| <= 0.1, x measured to 0.005, u acts at most 0.002 s after its sample: |e| < [0.9119,
  * 0.9105], |u| <= 0.8.
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.

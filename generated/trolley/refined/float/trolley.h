@@ -3,7 +3,7 @@
  * Certified (trolley.certificate.json): for every t the tube keeps 0.05 from every
  * unsafe set, stays in the state space, is at least 0.2 wide, and ends in the target set.
  * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9, for |f +
- * w| <= 0.15, 0.9 <= g_ii <= 1.1, |g_ij| <= 0.05, x measured to 0.002, u 0.002 s after its sample at most:
+ * w| <= 0.15, 0.9 <= g_ii <= 1.1, |g_ij| <= 0.05, x measured to 0.002, u acts at most 0.002 s after its sample:
  * |e| < [0.9117, 0.9138], |u| <= 2.
  *
  * Call trolley_control once every period with the time since the start and the measured state. It keeps no state and
