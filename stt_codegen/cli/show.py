@@ -289,6 +289,9 @@ def _numbers(values: Sequence[float]) -> str:
     return ", ".join(f"{v:.4g}" if math.isfinite(v) else "beyond numbers" for v in values)
 
 
+LONGEST_USUAL_SAMPLE_TIME = 0.1  # seconds; in a record with longer ones the times may be milliseconds
+
+
 def show_envelope(name: str, envelope: StepEnvelope) -> None:
     """Print what a task may state of a drive by its recorded step, as lines of a task file, and what the record hides."""
     before, after = envelope.command
@@ -303,9 +306,11 @@ def show_envelope(name: str, envelope: StepEnvelope) -> None:
         print(f"  overshoot = {envelope.overshoot:g}")
     taken = f"every sample counts as {100 * envelope.noise:.2g} % of the step lower, for noise"
     late = f"up to {format_time(2 * envelope.sample_time)} later, for the time between samples"
-    print(f"  {taken}, and {late}")
+    print(f"  against the drive: {taken}, and {late}")
     unseen = f"the last {100 * envelope.hidden:.2g} % of the step, and falls below {100 * envelope.smallest_fall:.2g} %"
     print(f"  not seen: {unseen}; where your drive creeps or rings by more, state it in w_max or overshoot")
+    if envelope.sample_time > LONGEST_USUAL_SAMPLE_TIME:
+        print(f"  note: samples are {format_time(envelope.sample_time)} apart; are the times in seconds?")
     print("  holds for this step: record one as large as the controller may command, from -u_max to u_max, under load")
 
 

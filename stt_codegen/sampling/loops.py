@@ -32,6 +32,8 @@ from stt_codegen.sampling.sampled_loop import (
 from stt_codegen.sampling.windows import Windows, refined_windows
 from stt_codegen.task import Task
 
+DIFFERENCE_ROUNDING = Fraction(1025, 1024)  # of the error of a velocity by differences, beside what it grows with
+
 
 def loop_of(
     task: Task,
@@ -93,7 +95,10 @@ def exact_loop(
 def path_loop_of(task: Task, design: RefinedDesign, loop: SampledLoop) -> PathLoop:
     """Return the loop as the worst path reads it, with the task's period and drives; loop: from `exact_loop`."""
     drives, filter_rates = [Drive.of(bounds) for bounds in task.drive_bounds], design.filter if task.order == 2 else ()
-    return PathLoop.of(loop, drives, task.sampling_period, filter_rates, design.seam)
+    path_loop = PathLoop.of(loop, drives, task.sampling_period, filter_rates, design.seam)
+    if not task.uses_differences:
+        return path_loop
+    return replace(path_loop, shift_time=task.sampling_period / 2 * DIFFERENCE_ROUNDING)
 
 
 def _inertial_loop_of(

@@ -106,7 +106,7 @@ def envelope_of(record: StepRecord, latency: float | None = None, name: str = "r
     step = _step_index(record, name)
     response = _response(record, step, name)
     rises = _rises(response)
-    hidden = max(2 * (1 - float(rises.share[-1])), SMALLEST_HIDDEN_SHARE)
+    hidden = max(2 * (1 - float(rises.share[-1])), 2 * response.noise, SMALLEST_HIDDEN_SHARE)
     if hidden > LARGEST_HIDDEN_SHARE:
         problem = f"noise of {100 * response.noise:.2g} % of the step hides {100 * hidden:.2g} % of the response"
         problem += f", at most {100 * LARGEST_HIDDEN_SHARE:g} %"
@@ -151,7 +151,14 @@ def _step_index(record: StepRecord, name: str) -> int:
         k = int(changes[min(1, len(changes) - 1)]) if len(changes) else 0
         problem = f"the command changes again, to {command[k]:g}" if len(changes) else "the command changes little by little"
         raise BadInput(f"{name}, line {record.lines[k]}: {problem}; keep the rows of one step, from rest to rest")
-    return int(changes[0])
+    step = int(changes[0])
+    levels = np.where(np.arange(len(command)) < step, command[step - 1], command[step])
+    moved = np.flatnonzero(np.abs(command - levels) > tolerance)
+    if len(moved):
+        k = int(moved[0])
+        problem = f"the command is {command[k]:g}, and {levels[k]:g} beside the step"
+        raise BadInput(f"{name}, line {record.lines[k]}: {problem}; keep the rows in which the command rests")
+    return step
 
 
 def _response(record: StepRecord, step: int, name: str) -> _Response:
@@ -166,13 +173,16 @@ def _response(record: StepRecord, step: int, name: str) -> _Response:
     size = float(final - start)
     if not abs(size) > deviation:
         raise BadInput(f"{name}: the response does not follow the command: it goes from {start:.4g} to {final:.4g}")
+    if size * (record.command[step] - record.command[step - 1]) < 0:
+        problem = f"the response goes from {start:.4g} to {final:.4g}, against the command"
+        raise BadInput(f"{name}: {problem}; change the sign of one of the columns")
     share, (early, late) = (response - start) / size, np.array_split((response[tail] - start) / size, 2)
     drift = abs(float(late.mean() - early.mean()))
     spread = math.hypot(float(early.std()), float(late.std())) / math.sqrt(len(early))
     if drift > DRIFT_LIMIT + 3 * spread:
         problem = f"the response has not settled: in the last fifth it still moves by {100 * drift:.2g} % of the step"
         raise BadInput(f"{name}: {problem}; record longer after the step")
-    noise = NOISE_FACTOR * float(deviation) / abs(size)
+    noise = max(NOISE_FACTOR * float(deviation), _resolution(response)) / abs(size)
     return _Response(
         time=time[step:] - time[step - 1],
         share=share[step:],
@@ -182,6 +192,15 @@ def _response(record: StepRecord, step: int, name: str) -> _Response:
         after=int(tail.sum()),
         size=size,
     )
+
+
+def _resolution(response: Array) -> float:
+    """Return the step of a coarse sensor, which shows no noise at rest: the smallest change; 0 where no sample repeats the one
+    before on the way."""
+    changes = np.abs(np.diff(response))
+    moving = np.flatnonzero(changes)
+    way = changes[moving[0] : moving[-1] + 1] if len(moving) else changes[:0]
+    return float(way[way > 0].min()) if (way == 0).any() else 0.0
 
 
 def _rises(response: _Response) -> _Rises:

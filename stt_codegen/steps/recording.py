@@ -87,7 +87,7 @@ def _column_numbers(name: str, columns: Sequence[str], headings: Sequence[str], 
     for column in columns or ("1", "2", "3"):
         if column in headings:
             numbers.append(headings.index(column))
-        elif column.isdecimal() and 1 <= int(column) <= count:
+        elif column.isdecimal() and len(column) < 10 and 1 <= int(column) <= count:
             numbers.append(int(column) - 1)
         elif columns:
             names = f"one of {', '.join(headings)}, or " if headings else ""

@@ -211,6 +211,11 @@ class Task(TaskTables):
         return has_gain and self.control.period is not None and stated in (None, "auto")
 
     @property
+    def has_tight_gain(self) -> bool:
+        """Whether the gain was chosen for the tube as the one that keeps |e| smallest."""
+        return not self.has_automatic_gain and self._stated_tables[0].gain == "tight"
+
+    @property
     def _stated_tables(self) -> tuple[ControlOptions, PlantBounds]:
         """The tables [control] and [plant] as they were before anything was chosen."""
         return self._before_choice or (self.control, self.plant)

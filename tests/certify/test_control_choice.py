@@ -120,6 +120,45 @@ def test_where_no_gain_has_the_whole_reserve_the_chosen_one_has_a_part_of_it() -
     assert 1 <= float(factor[1]) < controller.task.reserve
 
 
+DIFFERENCES = """
+name = "mast"
+prescribed_time = 20.0
+initial_state = [0.5, 0.5]
+[state_space]
+lower = [0.0, 0.0]
+upper = [6.0, 4.0]
+[initial_set]
+lower = [0.0, 0.0]
+upper = [1.0, 1.0]
+share = 0.5
+[target_set]
+lower = [4.6, 2.6]
+upper = [5.8, 3.8]
+[control]
+period = 0.02
+velocity = "differences"
+[plant]
+order = 2
+w_max = 0.1
+noise = 0.00005
+lag = 0.02
+"""
+
+
+@pytest.mark.parametrize("text", [STATED, DIFFERENCES.replace("w_max = 0.1", "w_max = 0.06"), DIFFERENCES])
+def test_the_factor_of_the_disturbance_that_is_printed_is_proved(text: str) -> None:
+    """With a velocity by differences a larger disturbance makes the error of v larger, too."""
+    controller = build_once(parse_task(text))
+    (line,) = (v for v in choice_lines(controller) if v.startswith("gain"))
+    factor = Fraction(re.findall(r"proved for ([\d.]+) times the disturbance", line)[0])
+    task, design = controller.task, require_refined(controller.design)
+    assert task.plant.w_max is not None
+    assert factor >= 1
+    disturbed = task.with_choices(plant=task.plant.model_copy(update={"w_max": task.plant.w_max * factor}))
+    errors = edge_and_rate_errors(design, controller.program)
+    assert prove_path(path_loop_of(disturbed, design, exact_loop(disturbed, design, *errors))) is not None
+
+
 def test_a_tight_gain_keeps_the_state_nearer_to_the_middle_than_the_gentle_one() -> None:
     tight = build_once(parse_task(STATED.replace("period = 0.02", 'period = 0.02\ngain = "tight"'))).task
     assert all(a > 3 * b for a, b in zip(tight.gain, build_once(parse_task(STATED)).task.gain, strict=True))

@@ -135,7 +135,7 @@ def test_the_carts_bound_is_that_of_its_path_and_its_header_says_what_is_assumed
     (finding,) = [f for f in controller.certificate.findings if f.subject is Property.PERIOD]
     header = " ".join(controller.files["cart.h"].decode().split())
     for text in (finding.statement, header.replace(" * ", " ")):
-        assert "a drive no slower than a first-order lag of 0.08 s" in text
+        assert "a drive that is no slower than a first-order lag of 0.08 s" in text
         assert "never below 1 - e^(-t/0.08)" in text
     proof = controller.certificate.proved_period
     assert proof is not None
@@ -212,6 +212,36 @@ def test_the_checker_refuses_the_proof_for_a_harder_task(old: str, new: str, tmp
     result = verdict_of_proof(with_hashes(files), tmp_path)
     assert result.code == REFUSED
     assert "P9 does not hold" in result.message
+
+
+@pytest.mark.parametrize("name", ["cart", "order 2"])
+def test_a_guard_needs_measured_positions_inside(name: str, tmp_path: Path) -> None:
+    """Noise that the law endures may show a state in the tube outside, and a guard acts on what is measured."""
+    noisy = {"cart": ("noise = 0.003\nlag = 0.08", "noise = 0.05\nlag = 0.06"), "order 2": ("noise = 0.005", "noise = 0.03")}[
+        name
+    ]
+    text = DRIVES[name].replace(*noisy)
+    controller = build_once(parse_task(text))
+    guarded = text.replace("[control]\n", '[control]\noutside = "stop"\n')
+    with pytest.raises(stt.NotCertified, match=r'control.outside = "stop" would act inside the tube; state less noise'):
+        build_once(parse_task(guarded))
+    quieter = parse_task(DRIVES[name].replace("[control]\n", '[control]\noutside = "stop"\n'))
+    assert build_once(quieter).certificate.holds
+    assert verdict(files_of(controller, text), tmp_path).code == VERIFIED
+    files = {**files_of(controller, text), "task.toml": guarded.encode()}
+    result = verdict_of_proof(with_hashes(files), tmp_path)
+    assert result.code == REFUSED
+    assert "the guard may act inside the tube, by noise of" in result.message
+
+
+@pytest.mark.parametrize("history", ["0", "-1", "1/0"])
+def test_the_checker_refuses_paths_without_a_distance_or_with_a_history_that_is_none(history: str, tmp_path: Path) -> None:
+    files = files_of(build_once(task_of("cart")), CART)
+    for change in ({"history": history}, {"nearest": None, "history": "1/100"}):
+        result = verdict_of_proof(with_claim(files, lambda s, v=change: s["path"][0].update(v)), tmp_path)
+        assert result.code == REFUSED
+    result = verdict_of_proof(with_claim(files, lambda s: s.update(rho=["-1", *s["rho"][1:]])), tmp_path)
+    assert result.code == REFUSED
 
 
 def test_a_latency_alone_is_proved_by_the_path_and_sharp_conditions_are_for_inputs_that_act_at_once() -> None:

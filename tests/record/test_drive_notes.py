@@ -29,7 +29,7 @@ def modules(name: str, **plant: Any) -> tuple[str, str, str]:
 
 def test_the_node_says_what_it_assumes_of_drives() -> None:
     node, rules, _ = modules("cart")
-    assert 'DRIVES = "a drive no slower than a first-order lag of 0.08 s' in rules
+    assert 'DRIVES = "a drive that is no slower than a first-order lag of 0.08 s' in rules
     assert 'values["assumed of drives"] = DRIVES' in node
     assert "DRIVES" not in "".join(modules("cart", lag=None))
 

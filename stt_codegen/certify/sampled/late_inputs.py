@@ -64,17 +64,19 @@ def drive_words(task: Task) -> list[str]:
     if task.control.latency:
         words.append(f"u acts at most {decimal(task.control.latency)} s after its sample")
     lags = [by_component(values) for values in ([d.lag for d in drives], [d.lag2 for d in drives]) if any(values)]
+    kinds = []
     if len(lags) > 1:
-        words.append(f"a drive no slower than two first-order lags in series, of {' s and '.join(lags)} s, at rest at 0")
+        kinds.append(f"is no slower than two first-order lags in series, of {' s and '.join(lags)} s")
     elif lags:
         exponent = "lag" if lags[0].startswith("[") else lags[0]
         answer = f" (its step response never falls and is never below 1 - e^(-t/{exponent}))"
-        answer = "" if any(d.overshoot for d in drives) else answer
-        words.append(f"a drive no slower than a first-order lag of {lags[0]} s{answer}, at rest at 0")
+        kinds.append(f"is no slower than a first-order lag of {lags[0]} s{'' if any(d.overshoot for d in drives) else answer}")
     if any(d.slew for d in drives):
-        words.append(f"a drive that follows u by at least {by_component([d.slew or Fraction(0) for d in drives])} a second")
+        kinds.append(f"follows u by at least {by_component([d.slew or Fraction(0) for d in drives])} a second")
     if any(d.overshoot for d in drives):
-        words.append(f"overshooting a step by at most {by_component([d.overshoot for d in drives])} of it")
+        kinds.append(f"overshoots a step by at most {by_component([d.overshoot for d in drives])} of it")
+    if kinds:
+        words.append(f"a drive that {', '.join(kinds[:-1])}{' and ' * (len(kinds) > 1)}{kinds[-1]}, at rest at 0")
     return words
 
 
@@ -115,15 +117,20 @@ def _remedies(task: Task, loop: PathLoop) -> Iterator[str]:
         if prove_path(loop.with_period(rounded)) is not None:
             yield f"control.period = {decimal(rounded)} {with_this_gain}"
             break
+    yield from _quicker_drives(task, loop)
+    share = _smaller_share(task, loop) if task.order == 1 else None
+    if share is not None:
+        yield f"initial_set.share = {decimal(share)} {with_this_gain}"
+
+
+def _quicker_drives(task: Task, loop: PathLoop) -> Iterator[str]:
+    """Yield the slowest drive of this kind that the path proves with the task's gain, where the task's is slower."""
     factor = largest_drive_factor(loop) if any(drive.delay(Fraction(1)) for drive in loop.drives) else None
     for value in [] if factor is None or factor >= 1 else [factor * retreat for retreat in RETREATS]:
         drives = [_quicker(bounds, value) for bounds in task.drive_bounds]
         if prove_path(loop.with_drives([Drive.of(bounds) for bounds in drives])) is not None:
-            yield f"a drive with {_written(drives)} {with_this_gain}"
+            yield f"a drive with {_written(drives)} with gain {by_component(task.gain)}"
             break
-    share = _smaller_share(task, loop) if task.order == 1 else None
-    if share is not None:
-        yield f"initial_set.share = {decimal(share)} {with_this_gain}"
 
 
 def _quicker(bounds: DriveBounds, factor: Fraction) -> DriveBounds:

@@ -64,6 +64,10 @@ def certify_period(
         return Finding(Property.PERIOD, _statement(task), margin, Fraction(0), advice=evidence.advice), None
     if (lost := lost_turn(task, design, proof)) is not None:
         return _lost_turn_finding(task, lost), None
+    if (unseen := _guard_finding(task, design, exact, proof)) is not None:
+        return unseen, None
+    if task.uses_differences:  # the error of v grows with the period, so no longer one is proved
+        margin = Fraction(0)
     e = tuple((v - 1) / (v + 1) for v in proof.rho)
     symbol = "|e|" if task.order == 1 else "|e| of v + lambda x"
     statement = f"{_statement(task)}: {symbol} < {_bounds(e)}, |u| <= {_bounds(proof.u)}"
@@ -129,6 +133,28 @@ def _start_outside_share(task: Task, design: RefinedDesign) -> Finding | None:
     return Finding(Property.PERIOD, statement, -distance[i], Fraction(0), at_start, dimension=i + 1, advice=advice)
 
 
+def _guard_finding(task: Task, design: RefinedDesign, exact: SampledLoop, proof: PeriodProof) -> Finding | None:
+    """Return the finding that a guard may act on a state in the tube, as a measured one may be outside; None where it may not.
+
+    The state is W/(1 + rho) away from the edges at least, and what is measured of that is wrong by `shift`. Of order 2, y = x - L
+    has y' = b - lambda y for the distance b of v + lambda x, so y is never below the smaller one of its start and b/lambda.
+    """
+    if task.control.outside == "return":
+        return None
+    for i, (rho, shift) in enumerate(zip(proof.rho, proof.shift, strict=True)):
+        nearest = min(Fraction(v) for v in exact.windows.narrow[:, i].tolist()) / (1 + rho)
+        if task.order == 2:
+            low, high = design.bezier()[0, i, :, 0]
+            nearest = min(nearest, design.filter[i] * (1 - proof.share) / 2 * int(high - low) * design.unit)
+        if nearest <= shift:
+            name, option = task.axis_words[i], f'control.outside = "{task.control.outside}"'
+            seen = f"{name} is measured to {above(shift, 3):g}, and may be {below(nearest, 3):g} from an edge"
+            advice = f'{seen}: {option} would act inside the tube; state less noise, or use control.outside = "return"'
+            time = (Fraction(0), task.prescribed_time)
+            return Finding(Property.PERIOD, _statement(task), nearest - shift, Fraction(0), time, dimension=i + 1, advice=advice)
+    return None
+
+
 def _lost_turn_finding(task: Task, lost: LostTurn) -> Finding:
     """Return the finding that x may move so far between samples that a turn is miscounted."""
     name = task.axis_words[lost.axis]
@@ -160,7 +186,7 @@ def prove_period(task: Task, exact: SampledLoop, loop: SampledLoop, longest_peri
 
 
 def _bounds(values: tuple[Fraction, ...]) -> str:
-    return by_component([above(v, 4) for v in values])
+    return by_component([next(float(above(v, k)) for k in range(4, 18) if v >= 1 or above(v, k) < 1) for v in values])
 
 
 def _statement(task: Task) -> str:

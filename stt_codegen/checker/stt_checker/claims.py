@@ -178,8 +178,10 @@ def _read_paths(claim: Any, n: int) -> list[tuple[Fraction, Fraction | None]]:
     """Return by component how near its paths come to an edge, and over how many seconds bounds count; None: from the start on."""
     is_list = isinstance(claim, list) and len(claim) == n and all({*v} == {"nearest", "history"} for v in claim)
     require(is_list, "the certificate's path is unknown")
-    numbers = [[v for v in (entry["nearest"], entry["history"]) if v is not None] for entry in claim]
-    return [(values[0], values[1] if len(values) > 1 else None) for values in (fractions(v, len(v)) for v in numbers)]
+    nearest = fractions([entry["nearest"] for entry in claim], n)
+    histories = [None if entry["history"] is None else fractions([entry["history"]], 1)[0] for entry in claim]
+    require(all(v is None or v > 0 for v in histories), "a path's history is not positive")
+    return [*zip(nearest, histories, strict=True)]
 
 
 def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
@@ -190,6 +192,7 @@ def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
     for key, value in wanted.items():
         require(same(claim[key], value), f"the certificate's sampled {key} is not the task's")
     rho, u, shift = (fractions(claim[key], task.n) for key in ("rho", "u", "shift"))
+    require(min(rho) > 1, "P9 does not hold: rho is not above 1")
     smallest = period.shifts(task, tube, law)
     require(
         all(a <= b for a, b in zip(smallest, shift, strict=True)),
@@ -204,5 +207,6 @@ def _check_sampling(task: Task, tube: Any, claim: Any, law: Law) -> None:
         require(not task.is_late, "P9 does not hold: inputs act late, and the certificate has no path for them")
         largest = period.prove(task, tube, law, rho, shift)
     require(all(a <= b for a, b in zip(largest, u, strict=True)), "P9 does not hold: |u| may be more than is claimed")
+    period.prove_guard(task, tube, law, rho, shift)
     if task.turns:
         task.turns.prove_steps(tube, [v * (1 + 2 * nu) for v, nu in zip(u, task.drive.opposite, strict=True)], law.filters)

@@ -159,6 +159,17 @@ def prove(task: Any, tube: Tube, law: Law, rho: list[Fraction], shift: list[Frac
     return largest
 
 
+def prove_guard(task: Any, tube: Tube, law: Law, rho: list[Fraction], shift: list[Fraction]) -> None:
+    """Require that a state in the tube is never measured outside, where `outside` acts on that. Of order 2, y = x - L has y' = b
+    - s y for the distance b of v + s x: it is never below the smaller one of its start and b/s."""
+    segments = windows(task, tube, law.filters)
+    for i, name in enumerate(task.names):
+        nearest, (low, high) = min(window[i].narrow for window in segments) / (1 + rho[i]), tube.start[i]
+        nearest = min([nearest, *(s * (1 - task.share) / 2 * (high - low) * tube.unit for s in law.filters[i : i + 1])])
+        is_seen = task.outside == "return" or nearest > shift[i]
+        require(is_seen, f"P9 does not hold: the guard may act inside the tube, by noise of {name}")
+
+
 def farthest_position(task: Any, i: int, width: Fraction, rho: Fraction, shift: Fraction) -> tuple[Fraction, Fraction]:
     """Return the distances to the farther and to the nearer edge at the farthest position that the law may see, or where it is
     clamped. The nearer one may be negative: then the law may see a position outside."""

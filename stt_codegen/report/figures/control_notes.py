@@ -35,6 +35,8 @@ def choice_lines(controller: EmittedController) -> Iterator[str]:
         needed = needed_input(loop_of(task, design, *errors))
         factor = min((float(u) / v for u, v in zip(task.u_max, needed.tolist(), strict=True) if v), default=math.inf)
         yield f"u_max {by_component(task.u_max)} was chosen: {factor:.2g} times what balances disturbances and edges"
+    if task.has_tight_gain:
+        yield f"gain {by_component([abs(k) for k in task.gain])} was chosen: of those that are tried it keeps |e| smallest"
     if task.has_gentle_gain:
         yield _gain_line(task, path_loop_of(task, design, exact_loop(task, design, *errors)))
 
@@ -45,7 +47,8 @@ def _gain_line(task: Task, loop: PathLoop) -> str:
     resting_error = max(_resting_error(loop, i, k) for i, k in enumerate(gain))
     forces = [bounds.force for bounds in task.plant_bounds]
     factors = [(proved_disturbance_factor(loop, forces), "disturbance")] if any(forces) else []
-    factors.append((proved_period_factor(loop, task.sampling_period), "period"))
+    if not task.uses_differences:  # for another period the error of v is another one
+        factors.append((proved_period_factor(loop, task.sampling_period), "period"))
     if task.has_drive:
         factors.append((proved_drive_factor(loop), "delay of the drive"))
     is_proved = all(factor for factor, _ in factors)  # by the worst path; else by the sharp conditions, with no reserve known

@@ -126,8 +126,9 @@ def resting_gain(loop: PathLoop, i: int, resting_error: Fraction) -> Fraction:
 
 def with_gain(loop: PathLoop, gain: Sequence[Fraction], added_disturbance: Sequence[Fraction] = ()) -> PathLoop:
     """Return the loop with another |k|, and with more disturbance, by component."""
-    laws = tuple(replace(law, gain=k) for law, k in zip(loop.laws, gain, strict=True))
     added = added_disturbance or [Fraction(0)] * loop.n
+    parts = zip(loop.laws, gain, added, strict=True)
+    laws = tuple(replace(law, gain=k, shift=law.shift + v * loop.shift_time) for law, k, v in parts)
     windows = tuple(
         tuple(replace(window, closing_speed=window.closing_speed + v) for window in windows)
         for windows, v in zip(loop.windows, added, strict=True)
