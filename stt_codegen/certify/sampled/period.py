@@ -99,14 +99,13 @@ def _evidence(task: Task, design: RefinedDesign, exact: SampledLoop, loop: Sampl
 
 
 def _sharp_evidence(task: Task, exact: SampledLoop, loop: SampledLoop) -> PeriodEvidence:
-    """Prove the period by the sharp conditions."""
-    age = task.sampling_period + task.control.latency
+    """Prove the period by the sharp conditions, for inputs that act at their samples."""
     longest_period = longest_proved_period("sharp", loop)
-    margin = (Fraction(longest_period.seconds) if longest_period is not None else Fraction(0)) - age
+    margin = (Fraction(longest_period.seconds) if longest_period is not None else Fraction(0)) - task.sampling_period
     proof = prove_period(task, exact, loop, longest_period)
     if proof is None:
         # Where balls alone prove the period, which is no proof here, a small negative margin is stated.
-        return PeriodEvidence(None, min(margin, -age / 1000), _advice(task, loop, age))
+        return PeriodEvidence(None, min(margin, -task.sampling_period / 1000), _advice(task, loop))
     return PeriodEvidence(proof, margin)
 
 
@@ -215,29 +214,29 @@ def _statement(task: Task) -> str:
     return f"sampled {at} {decimal(control.period)} {often}, from every start with {starts}, for {', '.join(bounds)}"
 
 
-def _advice(task: Task, loop: SampledLoop, age: Fraction) -> str:
+def _advice(task: Task, loop: SampledLoop) -> str:
     """Return which gain, period or limit would do, as a task file states them: with the sign of the task's gain."""
     if task.uses_differences:
         why = "the error of a velocity by differences grows with it, what noise adds falls"
         return f"use another control.period ({why}), state less noise, or measure the velocity"
-    gains, latency = Gains(loop, balancing_gain(loop), kinds=("sharp",)), float(task.control.latency)
+    gains, wanted = Gains(loop, balancing_gain(loop), kinds=("sharp",)), float(task.sampling_period)
     sign = 1 if task.gain[0] > 0 else -1
 
     def written(gain: Array) -> str:
         return by_component((sign * gain).tolist())
 
-    best = choose_proved_gain(loop, float(age), kinds=("sharp",))
+    best = choose_proved_gain(loop, wanted, kinds=("sharp",))
     if best is not None:
         return (
             f'use control.gain = "tight" (here {written(best.gain)})' if sign > 0 else f"use control.gain = {written(best.gain)}"
         )
     best = gains.with_longest_period
     remedies, longest_seconds = [], best.period.seconds if best else 0.0
-    if best is not None and longest_seconds > latency:
-        remedies.append(f"control.period = {_below(longest_seconds - latency):g} with gain {written(best.gain)}")
+    if best is not None:
+        remedies.append(f"control.period = {_below(longest_seconds):g} with gain {written(best.gain)}")
     limited = gains.with_suggested_limits
-    if limited is not None and limited.period.seconds > max(WORTHWHILE_PERIOD_RATIO * longest_seconds, latency):
-        seconds = min(_below(limited.period.seconds - latency), float(age) - latency)
+    if limited is not None and limited.period.seconds > WORTHWHILE_PERIOD_RATIO * longest_seconds:
+        seconds = min(_below(limited.period.seconds), wanted)
         u_max = by_component(limited.u_max.tolist())
         remedies.append(f"control.u_max = {u_max} and control.period = {seconds:.6g} with gain {written(limited.gain)}")
     if remedies:
