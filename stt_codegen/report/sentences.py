@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from stt_codegen.decimals import by_component
+from stt_codegen.properties import Property
 from stt_codegen.report.bounds import ProvedPeriod, SamplingReport
 from stt_codegen.sampling import WORTHWHILE_PERIOD_RATIO
 
@@ -25,7 +26,7 @@ def sampling_lines(sampling: SamplingReport, tick_period: float | None) -> Itera
     tick_period: emit.tick_period of the task, in seconds.
     """
     if sampling.has_drive:
-        yield Line("sampling: period (P9) alone counts the drive of [plant]; other gains and periods are not looked for with it")
+        yield Line(f"sampling: {Property.PERIOD.label} alone counts the drive of [plant]; no other gain or period is looked for")
         return
     yield Line(f"sampling, proved for {sampling.plant} from every start with {sampling.starts}:")
     at_this_gain = sampling.at_this_gain

@@ -77,7 +77,7 @@ def uncovered_loop_feature(task: Task) -> str:
         "plant.order 2": task.order != 1,
         'saturate = "scale"': task.scales,
         "negative gains": task.gain is not None and min(task.gain) < 0,
-        "a drive of [plant]": bool(task.drive),
+        "a drive of [plant]": bool(task.drive.stated),
         "a plant that is assumed": task.assumes_plant,
         "a control.u_max that was chosen": task.leaves_limit,
     }

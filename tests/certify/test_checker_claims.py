@@ -170,7 +170,7 @@ def test_a_claim_about_samples_must_be_true(field: str, factor: Fraction, messag
     def change(certificate: Any) -> None:
         certificate["sampled"][field] = [str(Fraction(v) * factor) for v in certificate["sampled"][field]]
 
-    code, output = verdict(changed_claim("trolley", change), tmp_path)
+    code, output = verdict(changed_claim("crawler", change), tmp_path)
     assert (code, message in output) == (REFUSED if message else VERIFIED, True), output
 
 

@@ -391,7 +391,7 @@ def test_the_oracle_refutes_a_held_loop_beyond_its_period_and_not_at_it() -> Non
     assert base is not None
     bounds = ClaimedBounds(tuple(float((r - 1) / (r + 1)) for r in base.proof.rho), tuple(float(v) for v in base.proof.u))
     assert all(counterexample(base.task, base.design, seed, bounds) is None for seed in range(3))
-    too_slow = base.task.model_copy(update={"control": base.task.control.model_copy(update={"period": 2 * base.longest})})
+    too_slow = base.task.model_copy(update={"control": base.task.control.model_copy(update={"period": 4 * base.longest})})
     assert counterexample(too_slow, base.design) is not None
     false_bounds = ClaimedBounds(tuple(e / 2 for e in bounds.e), bounds.u)  # the oracle also sees a false bound
     assert counterexample(base.task, base.design, 0, false_bounds) is not None

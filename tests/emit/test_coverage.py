@@ -36,9 +36,6 @@ NEVER_TAKEN = {
     "crane_control: const int32_t safe_width = wide ? width : 65536;": (CRANE,),  # certified to be wider, here and below
     "crane_control: const int32_t y_limited = y_under ? y_raised : 1073741823;": (CRANE,),  # y is 1 at no rounded width
     "gantry_control: const int32_t safe_width = wide ? width : 131072;": (GANTRY,),
-    "gantry_control: const int32_t shift = shift_over ? shift_any : 0;": (
-        GANTRY,
-    ),  # u is small beside what narrow tubes make of it
     "crane_margin: const int32_t z_safe_width = z_wide ? z_width : 65536;": (CRANE,),
     "crane_margin: const int32_t x_safe_width = x_wide ? x_width : 131072;": (CRANE,),
     "gantry_margin: const int32_t x_safe_width = x_wide ? x_width : 131072;": (GANTRY,),

@@ -69,7 +69,7 @@ def corners_of_cut_box''',
                 '    "radius": UnsafeBall,\n    "middle": UnsafeDiamond,\n    "reach": UnsafeDiamond,\n',
             ),
         ],
-        f"{CHECKER}/task.py": [('offsets centre segment radius"\n', 'offsets centre segment radius middle reach"\n')],
+        f"{CHECKER}/keys.py": [('offsets centre segment radius"\n', 'offsets centre segment radius middle reach"\n')],
         f"{CHECKER}/sets.py": [
             ('{"vertices"}, {"normals", "offsets"},', '{"middle", "reach"}, {"vertices"}, {"normals", "offsets"},'),
             ("FORMS[1:4])", "FORMS[1:5])"),
@@ -141,7 +141,7 @@ LANGUAGE = Sample(
             ("import c, python, rust", "import c, javascript, python, rust"),
             ("python.TARGET, rust.TARGET)", "python.TARGET, rust.TARGET, javascript.TARGET)"),
         ],
-        f"{CHECKER}/task.py": [("tick_period selftest rust", "tick_period selftest rust javascript")],
+        f"{CHECKER}/keys.py": [("tick_period selftest rust", "tick_period selftest rust javascript")],
         f"{CHECKER}/files.py": [('OTHER_LANGUAGES = (".rs",)', 'OTHER_LANGUAGES = (".rs", ".js")')],
         "stt_codegen/theorem/controller_theorem.py": [('    "emit": "",', '    "emit": "javascript",')],
         "docs/task.md": [("| `rust` | false |", "| `javascript` | false | adds `<p>.js` |\n| `rust` | false |")],
@@ -382,7 +382,7 @@ def test_a_language_is_within_its_bounds_and_changes_no_file_of_other_tasks(copy
     assert "name: 'require' is a reserved word of JavaScript (emit.javascript)" in refused.stderr
 
 
-@pytest.mark.parametrize("path", [f"{CHECKER}/task.py", f"{CHECKER}/files.py", "stt_codegen/theorem/controller_theorem.py"])
+@pytest.mark.parametrize("path", [f"{CHECKER}/keys.py", f"{CHECKER}/files.py", "stt_codegen/theorem/controller_theorem.py"])
 def test_a_language_that_is_missing_in_a_list_is_reported(path: str, tmp_path: Path) -> None:
     copy = copy_of_the_repository(tmp_path)
     follow_recipe(replace(LANGUAGE, edits={name: edits for name, edits in LANGUAGE.edits.items() if name != path}), copy)

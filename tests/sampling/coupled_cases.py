@@ -19,7 +19,7 @@ from stt_codegen import constraints
 from stt_codegen.certify.sampled.lost_turns import lost_turn
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.sampling.order_two import difference_error
-from stt_codegen.task import Task
+from stt_codegen.task import DriveBounds, Task
 from stt_codegen.task.schema import ComponentBounds
 from stt_codegen.theorem import hints
 from stt_codegen.theorem.facts import SampledFacts
@@ -223,6 +223,11 @@ class TaskNumbers(SimpleNamespace):
 
     coupling_of = Task.coupling_of
     largest_derivative = Task.largest_derivative
+
+    @property
+    def drive_bounds(self) -> tuple[DriveBounds, ...]:
+        """Drives that act at once."""
+        return (DriveBounds(Fraction(0), Fraction(0), None, Fraction(0)),) * self.dimension
 
 
 def coupled_task(draw: random.Random, n: int, **numbers: Any) -> Any:

@@ -23,8 +23,11 @@ from stt_codegen.sampling.path import (
 )
 from stt_codegen.task import DriveBounds, Task
 
+DIFFERENCES_ADVICE = (
+    "use another control.period (the error of a velocity by differences grows with it, what noise adds falls), state less noise, "
+    "or measure the velocity"
+)
 PROMISING_DELAY_SHARE = Fraction(1, 2)  # of W/P: a drive that is later than this needs another tube, and no search is made
-ALLOWED_DELAY_SHARE = Fraction(1, 5)  # of W/P: about what is proved, by experience
 RETREATS = tuple(Fraction(k, 100) for k in (100, 99, 97, 90))  # of a searched value, until it is proved with few digits
 SHARES = tuple(Fraction(k, 20) for k in range(18, 3, -1))  # of the starts, which a refusal tries
 
@@ -82,14 +85,15 @@ def drive_words(task: Task) -> list[str]:
 
 def late_advice(task: Task, loop: PathLoop) -> str:
     """Return what would be proved where the task's drive and period are not: each remedy was tried."""
+    if task.uses_differences:
+        return DIFFERENCES_ADVICE
     delay, crossing = _delay_beside_tube(loop)
     if delay > PROMISING_DELAY_SHARE * crossing:
-        allowed = below(ALLOWED_DELAY_SHARE * crossing, 2)
-        width_over_speed = f"width over closing speed is {below(crossing, 3):g} s"
         late = f"the drive's delay + 0.6 (period + latency) is {above(delay, 3):g} s"
-        return (
-            f"inputs are too late for this tube: {late}, and {width_over_speed}, of which about a fifth is proved: {allowed:g} s"
-        )
+        speed = f"width over closing speed is {below(crossing, 3):g} s"
+        why = f"inputs are too late for this tube: {late}, and {speed}, of which about a fifth is proved"
+        remedies = [*_quicker_drives(task, loop), *_shorter_periods(task, loop)]
+        return f"{why}; use {', or '.join(remedies)}" if remedies else why
     remedies = list(_remedies(task, loop))
     if remedies:
         return f"use {', or '.join(remedies)}"
@@ -111,16 +115,21 @@ def _remedies(task: Task, loop: PathLoop) -> Iterator[str]:
     if choice is not None:
         chosen = by_component([sign * v for v in choice.gain])
         yield f'control.gain = "auto" (here {chosen})' if sign > 0 else f"control.gain = {chosen}"
-    period = longest_path_period(loop, task.sampling_period)
-    for value in [] if period is None else [period * retreat for retreat in RETREATS]:
-        rounded = Fraction(str(below(value, 3)))
-        if prove_path(loop.with_period(rounded)) is not None:
-            yield f"control.period = {decimal(rounded)} {with_this_gain}"
-            break
+    yield from _shorter_periods(task, loop)
     yield from _quicker_drives(task, loop)
     share = _smaller_share(task, loop) if task.order == 1 else None
     if share is not None:
         yield f"initial_set.share = {decimal(share)} {with_this_gain}"
+
+
+def _shorter_periods(task: Task, loop: PathLoop) -> Iterator[str]:
+    """Yield the longest period that the path proves with the task's gain."""
+    period = longest_path_period(loop, task.sampling_period)
+    for value in [] if period is None else [period * retreat for retreat in RETREATS]:
+        rounded = Fraction(str(below(value, 3)))
+        if prove_path(loop.with_period(rounded)) is not None:
+            yield f"control.period = {decimal(rounded)} with gain {by_component(task.gain)}"
+            break
 
 
 def _quicker_drives(task: Task, loop: PathLoop) -> Iterator[str]:

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, PeriodProof
-from stt_codegen.certify.sampled.late_inputs import drive_words, late_advice, prove_late_period
+from stt_codegen.certify.sampled.late_inputs import DIFFERENCES_ADVICE, drive_words, late_advice, prove_late_period
 from stt_codegen.certify.sampled.lost_turns import LostTurn, lost_turn
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import RefinedDesign
@@ -93,7 +93,7 @@ def _evidence(task: Task, design: RefinedDesign, exact: SampledLoop, loop: Sampl
     margin = (longest_period or Fraction(0)) - period
     if proof is not None:
         return PeriodEvidence(proof, margin)
-    if sharp is not None and sharp.margin >= margin:
+    if sharp is not None and (sharp.margin >= margin or task.uses_differences):
         return sharp
     return PeriodEvidence(None, min(margin, -period / 1000), late_advice(task, path_loop))
 
@@ -217,8 +217,7 @@ def _statement(task: Task) -> str:
 def _advice(task: Task, loop: SampledLoop) -> str:
     """Return which gain, period or limit would do, as a task file states them: with the sign of the task's gain."""
     if task.uses_differences:
-        why = "the error of a velocity by differences grows with it, what noise adds falls"
-        return f"use another control.period ({why}), state less noise, or measure the velocity"
+        return DIFFERENCES_ADVICE
     gains, wanted = Gains(loop, balancing_gain(loop), kinds=("sharp",)), float(task.sampling_period)
     sign = 1 if task.gain[0] > 0 else -1
 
