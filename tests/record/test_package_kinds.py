@@ -123,7 +123,7 @@ def test_the_arduino_library_and_its_sketch_compile_for_an_uno(name: str, tool, 
     ("name", "changed"),
     [
         ("drone", {}),
-        ("drone", {"control": {"outside": "stop"}}),
+        ("drone", {"control": {"outside": "stop"}, "plant": {"noise": "0.002", "noise_v": "0.01"}}),
         ("omni_board", {}),
         ("omni_board", {"control": {"outside": "hold"}}),
         ("omni_s2", {"control": {"outside": "stop"}, "emit": {"selftest": True}}),

@@ -147,8 +147,8 @@ def _guard_finding(task: Task, design: RefinedDesign, exact: SampledLoop, proof:
             nearest = min(nearest, design.filter[i] * (1 - proof.share) / 2 * int(high - low) * design.unit)
         if nearest <= shift:
             name, option = task.axis_words[i], f'control.outside = "{task.control.outside}"'
-            seen = f"{name} is measured to {above(shift, 3):g}, and may be {below(nearest, 3):g} from an edge"
-            advice = f'{seen}: {option} would act inside the tube; state less noise, or use control.outside = "return"'
+            problem = f"{name} is measured to {above(shift, 3):g}, and may be {below(nearest, 3):g} from an edge"
+            advice = f'{problem}: {option} would act inside the tube; state less noise, or use control.outside = "return"'
             time = (Fraction(0), task.prescribed_time)
             return Finding(Property.PERIOD, _statement(task), nearest - shift, Fraction(0), time, dimension=i + 1, advice=advice)
     return None

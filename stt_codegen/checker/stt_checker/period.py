@@ -166,8 +166,8 @@ def prove_guard(task: Any, tube: Tube, law: Law, rho: list[Fraction], shift: lis
     for i, name in enumerate(task.names):
         nearest, (low, high) = min(window[i].narrow for window in segments) / (1 + rho[i]), tube.start[i]
         nearest = min([nearest, *(s * (1 - task.share) / 2 * (high - low) * tube.unit for s in law.filters[i : i + 1])])
-        is_seen = task.outside == "return" or nearest > shift[i]
-        require(is_seen, f"P9 does not hold: the guard may act inside the tube, by noise of {name}")
+        is_quiet = task.outside == "return" or nearest > shift[i]
+        require(is_quiet, f"P9 does not hold: the guard may act inside the tube, by noise of {name}")
 
 
 def farthest_position(task: Any, i: int, width: Fraction, rho: Fraction, shift: Fraction) -> tuple[Fraction, Fraction]:
