@@ -209,6 +209,8 @@ TRUE_CLAIMS = {
     r"claims\.\d+ P\d+\.hints\.\d+\.2\.\d+": ("up down", "another separating normal"),
     r"claims\.\d+ P\d+\.hints\.\d+\.3\.\d+": ("up down", "another multiplier of a half-space"),
     r"claims\.\d+ P[135]\.hints\.\d+\.[01]": ("up down", "another place to cut the tube at"),
+    r"sampled\.path\.\d+\.nearest": ("down", "a smaller distance to an edge, which holds, too"),
+    r"sampled\.path\.\d+\.history": ("up", "bounds over a longer time, from which it follows, too"),
     r"mission\.time_margin": ("up step", "a larger allowance for the clock, with which the mission follows, too"),
 }
 ENTRIES_THAT_MAY_BE_LEFT_OUT = {
