@@ -119,7 +119,7 @@ def draw_factor_above_one(rng: Random, largest_power: int) -> Fraction:
 
 
 def lengthen_period(rng: Random, base: BaseLoop) -> Task:
-    return with_control(base.task, period=round_to_decimals(base.task.sampling_period * draw_factor_above_one(rng, 2)))
+    return with_control(base.task, period=round_to_decimals(base.task.sampling_period * draw_factor_above_one(rng, 5)))
 
 
 def set_period_near_longest(rng: Random, base: BaseLoop) -> Task:

@@ -221,17 +221,17 @@ def test_coq_accepts_every_shipped_controller(name: str, scalar: str, tool: Call
 
 @pytest.mark.slow
 def test_the_sampled_theorem_reaches_the_longest_period_of_p9(tmp_path: Path, tool: Callable[[str], str]) -> None:
-    """The tool refuses a period of 0.069 s; docs/theorem.md states 0.068 s."""
+    """A longer period is proved by the worst path, about which there is no theorem; docs/theorem.md states 0.066 s."""
     tool("coqc")
     text = (ROOT / "tasks/omni_s1.toml").read_text().replace("[target_set]", "share = 0.5\n\n[target_set]")
     text = text.replace("gain = 0.5", 'gain = "tight"\nu_max = 1000.0\nperiod = {}\n\n[plant]\nw_max = 0.05')
-    for period, code in (("0.069", 3), ("0.068", 0)):
+    for period, has_theorem in (("0.069", False), ("0.066", True)):
         (tmp_path / "task.toml").write_text(text.format(period))
         result = run_command("generate", str(tmp_path / "task.toml"), "--out", str(tmp_path))
-        assert result.returncode == code, result.stderr
-    result = run_command("theorem", str(tmp_path / "task.toml"), str(tmp_path / "omni_s1.c"))
-    assert result.returncode == 0, result.stdout
-    assert "closed_loop" in result.stdout
+        assert result.returncode == 0, result.stderr
+        result = run_command("theorem", str(tmp_path / "task.toml"), str(tmp_path / "omni_s1.c"))
+        assert result.returncode == 0, result.stdout
+        assert ("closed_loop" in result.stdout) == has_theorem, period
 
 
 @pytest.mark.slow
@@ -300,9 +300,9 @@ MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), pattern, replaceme
     ("omni_s1", 0, rb"initial_state = \[0\.25, 4\.75\]", b"initial_state = [0.55, 4.75]", "tube_checked"),
     ("omni_s1", 0, rb"lower = \[2\.0, 2\.5\]", b"lower = [1.5, 2.5]", "tube_checked"),
     ("omni_s1", 0, rb"(target_set\]\s+lower = )\[4\.5, 4\.5\]", rb"\g<1>[4.6, 4.5]", "tube_checked"),
-    ("trolley", 0, rb"period = 0\.02 ", b"period = 0.06 ", "period_checked"),
-    ("trolley", 0, rb"w_max = 0\.1\n", b"w_max = 1.75\n", "period_checked"),
-    ("trolley", 0, rb"share = 0\.9 ", b"share = 0.91 ", "period_checked"),
+    ("crawler", 0, rb"period = 0\.005", b"period = 0.3", "period_checked"),
+    ("crawler", 0, rb"w_max = 0\.1\n", b"w_max = 1.75\n", "period_checked"),
+    ("crawler", 0, rb"\[initial_set\]\n", b"[initial_set]\nshare = 0.95\n", "period_checked"),
     ("trolley", 2, rb'"gain": \["24/625"', b'"gain": ["24/6250"', "another gain"),
     ("rover", 0, rb"radius = 0\.5", b"radius = 0.501", "tube_checked"),
     ("rover", 0, rb"centre = \[2\.6, 1\.2\]", b"centre = [2.6, 1.3]", "tube_checked"),
