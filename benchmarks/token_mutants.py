@@ -214,7 +214,7 @@ TRUE_CLAIMS = {
     r"mission\.time_margin": ("up step", "a larger allowance for the clock, with which the mission follows, too"),
 }
 TRUE_CLAIMS_OF_INTEGERS = {
-    r"control\.gain\.\d+": ("step", "a gain that integers of 16 bits hold by the same numbers"),
+    r"control\.gain\.\d+": ("up down", "a gain that integers of 16 bits hold by the same numbers"),
 }
 ENTRIES_THAT_MAY_BE_LEFT_OUT = {
     r"sha256\.\w+\.rs": "a file of which nothing is said",
