@@ -38,6 +38,7 @@ SMALLEST_HIDDEN_SHARE = 0.005  # of the step, at its end
 LATENCY_WEIGHT = 0.6  # of a second of latency beside a second of lag, in what a tube allows
 LATENCY_CANDIDATES = 400
 DIGITS = 3
+SMALLEST_CHANGE = 1e-9  # of the range of the response: smaller ones are rounding of the numbers in the record
 TIME_ROUNDING = 1e-6  # relative: times in decimals are equal up to this
 
 
@@ -195,12 +196,19 @@ def _response(record: StepRecord, step: int, name: str) -> _Response:
 
 
 def _resolution(response: Array) -> float:
-    """Return the step of a coarse sensor, which shows no noise at rest: the smallest change; 0 where no sample repeats the one
-    before on the way."""
+    """Return the step of a coarse sensor, which shows no noise at rest: all changes are multiples of it, and not all are equal.
+
+    It is 0 for a sensor that is not coarse. A ramp changes by the same amount again and again, and may be seen precisely.
+    """
     changes = np.abs(np.diff(response))
-    moving = np.flatnonzero(changes)
-    way = changes[moving[0] : moving[-1] + 1] if len(moving) else changes[:0]
-    return float(way[way > 0].min()) if (way == 0).any() else 0.0
+    moving = np.flatnonzero(changes > SMALLEST_CHANGE * np.ptp(response))
+    if not len(moving):
+        return 0.0
+    way = changes[moving[0] : moving[-1] + 1]
+    step = float(changes[moving].min())
+    multiples = np.rint(way / step)
+    is_coarse = bool((np.abs(way - multiples * step) <= SMALLEST_CHANGE * way.max()).all() and len(set(multiples.tolist())) > 1)
+    return step if is_coarse else 0.0
 
 
 def _rises(response: _Response) -> _Rises:

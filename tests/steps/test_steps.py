@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from typer.testing import CliRunner
 
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
-from stt_codegen.steps.envelope import StepEnvelope, envelope_of
+from stt_codegen.steps.envelope import LATENCY_WEIGHT, StepEnvelope, envelope_of
 from stt_codegen.steps.recording import StepRecord, parse_record
 from tests.support.command_line import run_command
 
@@ -183,6 +184,16 @@ def with_line(text: str, number: int, line: str) -> str:
     return "\n".join(lines)
 
 
+def with_creep(record: StepRecord) -> StepRecord:
+    """Return the record with a command that moves on after its step, by less than a step from sample to sample."""
+    command = [u if u > 0 else u + 0.005 * max(k - 110, 0) for k, u in enumerate(record.command)]
+    return replace(record, command=tuple(command))
+
+
+def reversed_sensor(record: StepRecord) -> StepRecord:
+    return replace(record, response=tuple(-y for y in record.response))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -198,6 +209,11 @@ def with_line(text: str, number: int, line: str) -> str:
         (without_rows(GOOD, lambda t: t > 3.25), "step.csv: the response has not settled: in the last fifth it still moves by"),
         (csv_of(recorded(lambda t: 0 * t, 0.002, 0.001, 4)), "step.csv: the response does not follow the command"),
         (csv_of(recorded(DRIVES["lag"], 0.002, 0.1, 4)), "record a larger step, or the mean of several"),
+        (
+            csv_of(with_creep(recorded(DRIVES["lag"], 0.002, 0.0, 4))),
+            "and -1 beside the step; keep the rows in which the command",
+        ),
+        (csv_of(reversed_sensor(recorded(DRIVES["lag"], 0.002, 0.0, 4))), "against the command; change the sign of one of the"),
     ],
 )
 def test_what_is_no_step_is_refused_in_one_message(text: str, message: str, tmp_path: Path) -> None:
@@ -205,6 +221,34 @@ def test_what_is_no_step_is_refused_in_one_message(text: str, message: str, tmp_
     result = CliRunner().invoke(app, ["lag", str(tmp_path / "step.csv")])
     assert isinstance(result.exception, BadInput)
     assert message in str(result.exception)
+
+
+@pytest.mark.parametrize("name", ["lag", "two lags", "slew"])
+@pytest.mark.parametrize("parts", [20, 50, 200])
+def test_a_drive_lies_above_the_envelope_that_a_coarse_sensor_shows(name: str, parts: int) -> None:
+    """The sensor rounds down to a part of the step, so it shows no noise at rest."""
+    for seed in range(4):
+        record = recorded(DRIVES[name], 0.0005, 0.0, seed)
+        part = 30.0 / parts
+        envelope = envelope_of(replace(record, response=tuple((np.floor(np.array(record.response) / part) * part).tolist())))
+        assert envelope.noise >= 1 / parts * (1 - 1e-9)
+        assert excess(DRIVES[name], envelope) <= 1e-9
+
+
+def test_the_lag_of_a_noisy_record_is_no_matter_of_luck() -> None:
+    """Normal noise of one size gives delays of one size, since no outlier of the settled end decides: without that 1.46 times."""
+    delays = []
+    for seed in range(40):
+        record = recorded(DRIVES["lag"], 0.002, 0.0, seed)
+        noise = 30 * np.random.default_rng(seed).normal(0, 0.0025, len(record.response))
+        envelope = envelope_of(replace(record, response=tuple((np.array(record.response) + noise).tolist())))
+        delays.append(envelope.lag + LATENCY_WEIGHT * envelope.latency)
+    assert max(delays) < 1.3 * min(delays)
+
+
+def test_a_column_of_many_digits_is_refused() -> None:
+    with pytest.raises(BadInput, match="has no such column"):
+        parse_record(GOOD, columns=("9" * 5000, "2", "3"))
 
 
 def test_the_latency_that_a_refusal_names_is_accepted() -> None:
