@@ -76,40 +76,7 @@ g_min = 0.95
 g_max = 1.05
 noise = 0.003
 """
-QUADROTOR = """
-name = "quadrotor"
-prescribed_time = 14.0
-initial_state = [0.8, 0.8, 1.0]
-body = [0.2, 0.2, 0.1]
-[state_space]
-lower = [0.0, 0.0, 0.2]
-upper = [10.0, 6.0, 3.0]
-[initial_set]
-lower = [0.3, 0.3, 0.5]
-upper = [1.3, 1.3, 1.5]
-[target_set]
-lower = [8.6, 4.6, 1.2]
-upper = [9.6, 5.6, 2.2]
-[[unsafe]]
-axes = ["x1", "x2"]
-lower = [3.2, 0.0]
-upper = [6.0, 2.2]
-[[unsafe]]
-axes = ["x1", "x2"]
-lower = [3.2, 3.7]
-upper = [6.0, 6.0]
-[tube]
-clearance = 0.03
-min_width = 0.3
-[plant]
-order = 2
-f_max = 0.05
-w_max = 1.5
-g_min = 0.95
-g_max = 1.05
-noise = 0.005
-noise_v = 0.03
-"""
+TASK_FILES = {"quadrotor": ROOT / "docs" / "quadrotor.toml"}
 SHIPPED = ("omni_s2", "crawler", "trolley", "rover", "drone", "crane", "base", "attitude", "arm")
 TASKS = ("amr", *SHIPPED, "quadrotor")
 # Milliseconds by start share 0.9, 0.8, 0.5, at 50 Hz, 100 Hz, 1 kHz and of two equal lags, as a study in doubles found them.
@@ -172,11 +139,10 @@ class Robot:
 
 
 def robot_of(name: str, w_max: float | None = None) -> Robot:
-    """Return a robot by its name, of tasks/ or one of the two above, or by its file. w_max: a bound on the disturbance, None for
+    """Return a robot by its name, of tasks/ or of this benchmark, or by its file. w_max: a bound on the disturbance, None for
     the task's."""
-    text = {"amr": WAREHOUSE, "quadrotor": QUADROTOR}.get(name)
-    path = Path(name) if name.endswith(".toml") else ROOT / "tasks" / f"{name}.toml"
-    task = load_task(path) if text is None else parse_task(text)
+    path = Path(name) if name.endswith(".toml") else TASK_FILES.get(name, ROOT / "tasks" / f"{name}.toml")
+    task = parse_task(WAREHOUSE) if name == "amr" else load_task(path)
     task = task if w_max is None else task.changed(plant={"w_max": w_max})
     design = require_refined(design_tube(task))
     task = task.with_gain([Fraction(1, 10)] * task.dimension) if task.has_automatic_gain else task
