@@ -48,7 +48,9 @@ def describe_proof(controller: EmittedController, plant: Model | None, scenario:
         lines.append(f"{position}: sampled, nothing is proved from there")
     if not is_late:
         return [*lines, _period_line(analysis, scenario)]
-    return [*lines, "not proved: what is not shown is assumed" if lines else _late_line(analysis, proof, scenario, start)]
+    if lines:
+        return [*lines, f"not proved: {Property.PERIOD.label} needs what is not shown above"]
+    return [_late_line(analysis, proof, scenario, start)]
 
 
 def _problem_outside_theory(controller: EmittedController, scenario: Scenario, start: Sequence[float]) -> str | None:

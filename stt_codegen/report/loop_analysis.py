@@ -186,7 +186,7 @@ class LoopAnalysis:
                 f"samples are at least {decimal(task.shortest_period)} s apart, and their distance is measured exactly"
             )
         if task.has_drive:
-            assumptions.append(f"the task's drive is in {Property.PERIOD.label} alone")
+            assumptions.append(f"the drive acts at once; {Property.PERIOD.label} alone counts the drive of [plant]")
         if self.state_is_outside:
             assumptions.append(
                 "the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows"

@@ -12,6 +12,7 @@ import pytest
 
 import stt_codegen as stt
 from stt_codegen.certify.sampled.control_choice import PERIOD_WITH_MARGIN
+from stt_codegen.certify.sampled.period import _bound
 from stt_codegen.controller import edge_and_rate_errors
 from stt_codegen.designs import require_refined
 from stt_codegen.pipeline import EmittedController, build_task
@@ -30,7 +31,7 @@ from tests.support.checked_files import (
     with_certificate,
     with_hashes,
 )
-from tests.support.controllers import build_once, controller_of
+from tests.support.controllers import ROOT, build_once, controller_of
 
 CART = """
 name = "cart"
@@ -157,6 +158,32 @@ def test_the_factor_of_the_disturbance_that_is_printed_is_proved(text: str) -> N
     disturbed = task.with_choices(plant=task.plant.model_copy(update={"w_max": task.plant.w_max * factor}))
     errors = edge_and_rate_errors(design, controller.program)
     assert prove_path(path_loop_of(disturbed, design, exact_loop(disturbed, design, *errors))) is not None
+
+
+def test_the_page_quotes_what_is_chosen_for_the_cart_of_the_readme() -> None:
+    cart = (ROOT / "README.md").read_text().partition("```toml\n")[2].partition("```")[0]
+    page = " ".join((ROOT / "docs" / "task.md").read_text().split())
+    lines = list(choice_lines(build_once(parse_task(cart))))
+    assert len(lines) == 2
+    assert [line for line in lines if line not in page] == []
+
+
+def test_what_is_said_of_a_bound_near_1_is_below_1() -> None:
+    assert [_bound(Fraction(v)) for v in ("0.91234", "0.99996", "1.23456")] == [0.9124, 0.99996, 1.235]
+    assert _bound(1 - Fraction(1, 10**30)) == 1
+
+
+def test_with_a_velocity_by_differences_no_longer_period_is_said_to_be_proved() -> None:
+    controller = build_once(parse_task(DIFFERENCES))
+    (finding,) = (f for f in controller.certificate.findings if f.code == "P9")
+    assert finding.margin == 0
+    assert not any("times the period" in line for line in choice_lines(controller))
+
+
+def test_a_tight_gain_is_said() -> None:
+    controller = build_once(parse_task(STATED.replace("period = 0.02", 'period = 0.02\ngain = "tight"')))
+    gains = ", ".join(f"{float(k):g}" for k in controller.task.gain)
+    assert any(line.startswith(f"gain [{gains}] was chosen") for line in choice_lines(controller))
 
 
 def test_a_tight_gain_keeps_the_state_nearer_to_the_middle_than_the_gentle_one() -> None:

@@ -66,8 +66,6 @@ def certify_period(
         return _lost_turn_finding(task, lost), None
     if (unseen := _guard_finding(task, design, exact, proof)) is not None:
         return unseen, None
-    if task.uses_differences:  # the error of v grows with the period, so no longer one is proved
-        margin = Fraction(0)
     e = tuple((v - 1) / (v + 1) for v in proof.rho)
     symbol = "|e|" if task.order == 1 else "|e| of v + lambda x"
     statement = f"{_statement(task)}: {symbol} < {_bounds(e)}, |u| <= {_bounds(proof.u)}"
@@ -185,7 +183,13 @@ def prove_period(task: Task, exact: SampledLoop, loop: SampledLoop, longest_peri
 
 
 def _bounds(values: tuple[Fraction, ...]) -> str:
-    return by_component([next(float(above(v, k)) for k in range(4, 18) if v >= 1 or above(v, k) < 1) for v in values])
+    return by_component([_bound(v) for v in values])
+
+
+def _bound(value: Fraction) -> float:
+    """Round up to four digits, or to as many as keep a value below 1 below 1."""
+    digits = (k for k in range(4, 17) if value >= 1 or above(value, k) < 1)
+    return above(value, next(digits, 4))
 
 
 def _statement(task: Task) -> str:

@@ -47,7 +47,7 @@ def _gain_line(task: Task, loop: PathLoop) -> str:
     resting_error = max(_resting_error(loop, i, k) for i, k in enumerate(gain))
     forces = [bounds.force for bounds in task.plant_bounds]
     factors = [(proved_disturbance_factor(loop, forces), "disturbance")] if any(forces) else []
-    if not task.uses_differences:  # for another period the error of v is another one
+    if not task.uses_differences:  # for a longer period the error of v is not known
         factors.append((proved_period_factor(loop, task.sampling_period), "period"))
     if task.has_drive:
         factors.append((proved_drive_factor(loop), "delay of the drive"))

@@ -68,8 +68,8 @@ class PathLoop:
     """A loop for the worst path.
 
     begins: when each window begins, seconds. windows[i][k]: of component i in window k. laws, drives: by component. age: tau.
-    latency: seconds in which no input needs to act. largest_known_age: as in `SampledLoop`. shift_time: by how many times of it
-    a further disturbance makes the laws' shift larger, in seconds; 0 but where v is measured by differences.
+    latency: seconds in which no input needs to act. largest_known_age: as in `SampledLoop`. shift_time: seconds;
+    a further disturbance makes the laws' shift larger by so many times itself. It is 0 unless v is measured by differences.
     """
 
     begins: tuple[Fraction, ...]
