@@ -392,7 +392,7 @@ UNLISTED = {  # scripts of benchmarks/ with an exit code that are no job, and wh
     "same_outputs.py": "It compares with another commit, where a change must leave what controllers compute as it was.",
     "ros.py": "tests-ros2 runs it, in the environment that has ROS 2.",
     "gain_table.py": "It measures, and has no number that it must reach.",
-    "lag_table.py": "It measures for an hour, and has no number that it must reach.",
+    "lag_table.py": "It measures, and has no number that it must reach.",
 }
 
 
