@@ -8,7 +8,8 @@ the input that the plant needs; and the processor time of one proof. Where input
 choice, and the least lag counts. Gains are multiples of the balancing gain. W/P is the least width over closing speed. The search
 climbs from choice to choice of the grid. The second table has the longest period without a lag, by the sharp conditions and by
 the path, with the gentlest gain that is proved at 20 ms and a limit of 1.5 times what is needed. Numbers in brackets are those of
-a study in doubles, which tried the whole grid. Both tables take four minutes of processor time. The climb may stop beside the best choice: a row whose lag falls at a higher rate shows it.
+a study in doubles, which tried the whole grid. Both tables take four minutes of
+processor time. The climb may stop beside the best choice: a row whose lag falls at a higher rate shows it.
 """
 
 from __future__ import annotations
