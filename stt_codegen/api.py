@@ -25,6 +25,7 @@ from stt_codegen.arrays import as_floats
 from stt_codegen.certify import Certificate, Finding
 from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.designs import Design, uncertified_alpha_step
+from stt_codegen.effort import DEFAULT_SECONDS, Effort
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.task import Task, load_task, parse_task
@@ -76,13 +77,20 @@ def _load_if_path(task: Task | str | Path) -> Task:
     return load(task)
 
 
-def design(task: Task | str | Path) -> Design:
-    """Find a tube of the kind `tube.design` for the task: the numbers that fix it, not yet certified.
+def design(task: Task | str | Path, *, effort: float = DEFAULT_SECONDS) -> Design:
+    """Find a tube of the kind `tube.design` for the task: the numbers that fix it.
+
+    It is a tube that `certify` accepts, where the task leaves one open; else its certificate says what fails.
+
+    Parameters
+    ----------
+    effort
+        Seconds, within which another way is looked for where the task has no tube as it is, or none that is certified.
 
     Raises
     ------
     NotCertified
-        There is no tube. The message has the reason and, where one works, the option to change.
+        There is no tube. The message has the reason, and changes of the task that were tried and work.
     BadInput
         The task uses an option that its kind of tube does not offer.
 
@@ -93,7 +101,7 @@ def design(task: Task | str | Path) -> Design:
     """
     task = _load_if_path(task)
     pipeline.require_supported(task)
-    return pipeline.design_tube(task)
+    return pipeline.design_tube(task, Effort(effort))
 
 
 def certify(task: Task | str | Path, tube: Design) -> Certificate:
@@ -125,7 +133,7 @@ def certify(task: Task | str | Path, tube: Design) -> Certificate:
     return pipeline.certify(task, tube, pipeline.build_program(task, tube))
 
 
-def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
+def build(task: Task | str | Path, *, uncertified: bool = False, effort: float = DEFAULT_SECONDS) -> Controller:
     """Design, certify and emit a controller; nothing is written.
 
     Parameters
@@ -134,11 +142,14 @@ def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
         A task, or the path of its file.
     uncertified
         Make the controller even where the certificate fails; every file then says so.
+    effort
+        Seconds, within which another way is looked for where the task is refused as it is.
 
     Raises
     ------
     NotCertified
-        There is no tube or, unless `uncertified`, the certificate fails.
+        There is no tube or, unless `uncertified`, the certificate fails. The message has the reason, and changes of the task that
+        were tried and work.
     BadInput
         The task's file is refused.
 
@@ -148,7 +159,7 @@ def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
     True
     """
     source = None if isinstance(task, Task) else Path(task).resolve()
-    return _controller(pipeline.build_task(_load_if_path(task), uncertified), source)
+    return _controller(pipeline.build_task(_load_if_path(task), uncertified, effort=Effort(effort)), source)
 
 
 def _controller(emitted: pipeline.EmittedController, source: Path | None = None) -> Controller:

@@ -1,7 +1,9 @@
 """The exceptions of the package. Every stage raises them; `cli.main` alone turns them into exit codes."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from fractions import Fraction
+from typing import NamedTuple
 
 
 class SttError(Exception):
@@ -16,10 +18,47 @@ class BadInput(SttError):
     exit_code = 2
 
 
+class Reason(NamedTuple):
+    """Why a task is refused.
+
+    problem: what is wrong, where, and the value found beside the value allowed. hint: what may help, where no remedy was tried.
+    codes: of the properties that fail, such as "P9"; none where the cause is not known so exactly. axis: from 0, the one that
+    fails; None for all or for another cause. has_remedy: False where no option of the task can help. sufficient: keys of the task
+    with values that the search for a reason found to be enough.
+    """
+
+    problem: str
+    hint: str = ""
+    codes: tuple[str, ...] = ()
+    axis: int | None = None
+    has_remedy: bool = True
+    sufficient: tuple[tuple[str, Fraction], ...] = ()
+
+
 class NotCertified(SttError):
-    """The task is infeasible, or the tube fails its certificate (exit code 3)."""
+    """The task is infeasible, or the tube fails its certificate (exit code 3).
+
+    The reason may be a function that works it out when someone reads it: a search that tries hundreds of tasks reads none.
+    """
 
     exit_code = 3
+
+    def __init__(self, reason: str | Reason | Callable[[], Reason]) -> None:
+        super().__init__()
+        self._reason: Reason | Callable[[], Reason] = Reason(reason) if isinstance(reason, str) else reason
+
+    @property
+    def reason(self) -> Reason:
+        """The reason, worked out at the first reading."""
+        if not isinstance(self._reason, Reason):
+            try:
+                self._reason = self._reason()
+            except NotCertified as nearer:  # what explains the refusal is refused for a reason of its own
+                self._reason = nearer.reason
+        return self._reason
+
+    def __str__(self) -> str:
+        return "; ".join(part for part in self.reason[:2] if part)
 
 
 class MissingTool(SttError):

@@ -10,7 +10,9 @@
     certify         Task, Design, Program -> Certificate   certify/  refined: exact P1-P6, rounding bound P7; else enclosures
     render          all of these -> files                  emit/     C, Python, certificate (templates/ place the text)
 
-Each stage is a plain function from frozen data to frozen data; no stage calls an earlier one. Other rooms use the result:
+Each stage is a plain function from frozen data to frozen data; no stage calls an earlier one. Where the tube or its certificate
+fails, `certified_attempt` tries what the task leaves open (`design.alternatives`), and a refusal names changes of the task that
+were tried to the end (remedies/). Other rooms use the result:
 
     reference.py, compare/      the same equations once more in plain NumPy, compared with every backend
     lemmas/                     the lemma book: statements about the Program that a machine proves
@@ -23,15 +25,18 @@ Imports run one way: pyproject.toml has the order of all rooms, tests/test_layer
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 
 from stt_codegen.certify import Certificate
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import DesignKind, kinds_offering
 from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design, require_design
-from stt_codegen.errors import BadInput, NotCertified, about, noted
+from stt_codegen.effort import CHANGES_SHARE, TUBES_SHARE, Effort, EffortSpent
+from stt_codegen.errors import BadInput, NotCertified, Reason, about, noted
 from stt_codegen.program import Program
 from stt_codegen.task import Task, load_task, require_offered
 
@@ -53,10 +58,12 @@ def build(
     scalar: str | None = None,
     uncertified: bool = False,
     language: str | None = None,
+    effort: Effort | None = None,
 ) -> EmittedController:
     """Make the controller of a task file; nothing is written.
 
-    `design` and `scalar` replace the task's options. `language` adds a language to those that are printed.
+    `design` and `scalar` replace the task's options. `language` adds a language to those that are printed. effort: of the search
+    for another way, where the task is refused as it stands; 10 s without.
 
     Raises `BadInput` (exit code 2), and `NotCertified` (3) when the task is infeasible or, unless `uncertified`, when
     the certificate fails.
@@ -65,28 +72,151 @@ def build(
     with about(path):
         task = task.with_options(design, scalar, language)
     with about(path), noted(task.map_notes):
-        return build_task(task, uncertified)
+        return build_task(task, uncertified, effort=effort)
 
 
-def build_task(task: Task, uncertified: bool = False, tube: Design | None = None) -> EmittedController:
+def build_task(
+    task: Task, uncertified: bool = False, tube: Design | None = None, *, effort: Effort | None = None
+) -> EmittedController:
     """Make the controller of a task, as `build` does of a file. tube: a design to use instead of a search."""
     require_supported(task)
-    if tube is not None:
+    if tube is None:
+        result = certified_attempt(task, effort, accepts_failure=uncertified)
+    else:
         require_design_for(task, tube)
-    design = design_tube(task) if tube is None else tube
-    task = with_chosen_control(task, design)
-    program = build_program(task, design)
-    certificate = certify(task, design, program)
+        result = attempt(task, tube)
+    certificate, program = result.certificate, result.program
     if not certificate.holds and not certificate.is_law_defined:
         too_narrow = "; the law divides by the tube's width: a tube narrower than 2^-18 is not written, --uncertified or not"
         raise NotCertified(certificate.refusal() + too_narrow)
     if not certificate.holds and not uncertified:
-        raise NotCertified(certificate.refusal() + " (or --uncertified writes it with a banner)")
+        raise NotCertified(certificate.reason)
     if not certificate.holds:
         from stt_codegen.controller import without_covered_starts
 
         program = without_covered_starts(program)
-    return EmittedController(task, design, program, certificate, render_files(task, design, program, certificate))
+    files = render_files(result.task, result.design, program, certificate)
+    return EmittedController(result.task, result.design, program, certificate, files)
+
+
+# ----------------------------------------------------------------------------------------------- tubes that are certified
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A tube with its program and certificate, which may fail. task: with what it leaves open chosen for the tube."""
+
+    task: Task
+    design: Design
+    program: Program
+    certificate: Certificate
+
+
+def attempt(task: Task, design: Design) -> Attempt:
+    """Return what a tube makes of the task."""
+    chosen = with_chosen_control(task, design)
+    program = build_program(chosen, design)
+    return Attempt(chosen, design, program, certify(chosen, design, program))
+
+
+def design_tube(task: Task, effort: Effort | None = None) -> Design:
+    """Find a tube of the kind `tube.design`: one that is certified, where the task leaves one open.
+
+    Raises `NotCertified` with the reason, and with changes that help, where there is no tube. Where there is one and its period
+    or another property is not proved, that tube is returned, and its certificate says what fails.
+    """
+    return certified_attempt(task, effort, accepts_failure=True).design
+
+
+def certified_attempt(task: Task, effort: Effort | None = None, *, accepts_failure: bool = False) -> Attempt:
+    """Return the preferred tube of a task, or where it is not certified the first other one that is.
+
+    Raises `NotCertified` where there is none, with changes of the task that were tried to the end. accepts_failure: return the
+    preferred tube where its certificate fails and no other holds.
+    """
+    effort = effort or Effort()
+    first, refusal = _first_attempt(task)
+    if first is not None and first.certificate.holds:
+        return first
+    effort.announce_later(lambda: refusal.reason.problem)
+    with effort.limit(TUBES_SHARE):
+        result = _other_attempt(task, None if first is None else first.design)
+    if result is not None:
+        return result
+    if first is not None and accepts_failure:
+        return first
+    with effort.limit(CHANGES_SHARE):
+        raise NotCertified(_with_remedies(task, refusal.reason))
+
+
+def _first_attempt(task: Task) -> tuple[Attempt | None, NotCertified]:
+    """Return the attempt with the preferred tube, None where there is none, and the refusal for the case that it fails."""
+    try:
+        first = attempt(task, STAGES[task.tube.design].design_tube(task))
+    except NotCertified as refusal:
+        return None, refusal
+    return first, NotCertified(lambda: first.certificate.reason)
+
+
+def _other_attempt(task: Task, first: Design | None) -> Attempt | None:
+    """Return the first of the other tubes that the task leaves open which is certified; None where none is, or time is over."""
+    alternatives = STAGES[task.tube.design].alternatives
+    if alternatives is None:
+        return None
+    with suppress(NotCertified, EffortSpent, KeyboardInterrupt):
+        for design in alternatives(task, first):
+            with suppress(BadInput):  # integers may not hold this tube's numbers
+                result = _certified_with(task, design)
+                if result is not None:
+                    return result
+    return None
+
+
+def _certified_with(task: Task, design: Design) -> Attempt | None:
+    """Return what a tube makes of the task; None where it is not certified, which is known sooner than all that fails."""
+    may_hold = STAGES[design.kind].may_hold
+    if may_hold is not None and not may_hold(task, design):
+        return None
+    result = attempt(task, design)
+    return result if result.certificate.holds else None
+
+
+def _with_remedies(task: Task, reason: Reason) -> Reason:
+    """Return the reason with changes of the task that were tried to the end, in place of the hint what may help."""
+    from stt_codegen.remedies import Tests, find_remedies
+
+    if not reason.has_remedy:
+        return reason
+    return reason._replace(hint=find_remedies(task, reason, Tests(_quick_test(), _is_certified)).sentence(reason.hint))
+
+
+def _quick_test() -> Callable[[Task], bool]:
+    """Return a test whether a task has a tube, and whether the input is strong and quick enough for it.
+
+    It remembers its answers, for many changes of a task leave its tube as it is.
+    """
+    answers: dict[tuple[object, ...], bool] = {}
+
+    def may_be_certified(task: Task) -> bool:
+        require_supported(task)
+        with suppress(NotCertified):
+            design = STAGES[task.tube.design].design_tube(task)
+            may_hold = STAGES[design.kind].may_hold or (lambda task, design: attempt(task, design).certificate.holds)
+            key = (design, task.control, task.plant, task.initial_set.share)
+            if key not in answers:
+                answers[key] = may_hold(task, design)
+            return answers[key]
+        return False
+
+    return may_be_certified
+
+
+def _is_certified(task: Task) -> bool:
+    """Return whether a task is certified with its preferred tube. Raises `BadInput` where it fits together no longer."""
+    require_supported(task)
+    with suppress(NotCertified):
+        return attempt(task, STAGES[task.tube.design].design_tube(task)).certificate.holds
+    return False
 
 
 def require_supported(task: Task) -> None:
@@ -140,11 +270,6 @@ def with_chosen_control(task: Task, design: Design) -> Task:
     return task if choose_control is None else choose_control(task, design)
 
 
-def design_tube(task: Task) -> Design:
-    """Find a tube of the kind `tube.design`. Raises `NotCertified` with the reason where there is none."""
-    return STAGES[task.tube.design].design_tube(task)
-
-
 def build_program(task: Task, design: Design) -> Program:
     """Return the controller as typed single assignments, which every printer and prover reads."""
     return STAGES[design.kind].build_program(task, design)
@@ -174,19 +299,30 @@ def render_files(task: Task, design: Design, program: Program, certificate: Cert
 class Stages:
     """The functions that design, program and certify a tube of one kind.
 
-    choose_control: the task with what it leaves open chosen for the tube; None for a kind that proves no periods.
+    choose_control: the task with what it leaves open chosen for the tube; None for a kind that proves no periods. alternatives:
+    other tubes of a task, for the case that its first is not certified; None for a kind that has one. may_hold: whether the input
+    is strong and quick enough, in a small part of the time of a certificate that fails; None for a kind that has no such test.
     """
 
     design_tube: Callable[[Task], Design]
     build_program: Callable[[Task, Design], Program]
     certify: Callable[[Task, Design, Program], Certificate]
     choose_control: Callable[[Task, Design], Task] | None = None
+    alternatives: Callable[[Task, Design | None], Iterator[Design]] | None = None
+    may_hold: Callable[[Task, Design], bool] | None = None
 
 
 def _design_refined(task: Task) -> Design:
     from stt_codegen.design import refine
 
     return with_enough_allowance(task, refine(task))
+
+
+def _refined_alternatives(task: Task, first: Design | None) -> Iterator[RefinedDesign]:
+    from stt_codegen.design import alternatives
+
+    assert first is None or isinstance(first, RefinedDesign)
+    return (with_enough_allowance(task, design) for design in alternatives(task, first))
 
 
 def with_enough_allowance(task: Task, design: RefinedDesign) -> RefinedDesign:
@@ -214,13 +350,28 @@ def _refined_program(task: Task, design: RefinedDesign) -> Program:
 
 def _choose_refined_control(task: Task, design: RefinedDesign) -> Task:
     from stt_codegen.certify.sampled import choose_control
-    from stt_codegen.controller import edge_and_rate_errors
 
     if not (task.assumes_plant or task.has_automatic_limit or task.has_automatic_gain):
         return task
+    return choose_control(task, design, *_errors_before_choice(task, design))
+
+
+def _errors_before_choice(task: Task, design: RefinedDesign) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
+    """Return bounds on the arithmetic's error of an edge and of its rate, before there is a gain."""
+    from stt_codegen.controller import edge_and_rate_errors
+
     if task.emit.scalar == "fixed":  # a control law in integers has no constants before there is a gain
-        return choose_control(task, design, *edge_and_rate_errors(design, None, task.emit.tick_period))
-    return choose_control(task, design, *edge_and_rate_errors(design, _refined_program(task, design)))
+        return edge_and_rate_errors(design, None, task.emit.tick_period)
+    return edge_and_rate_errors(design, _refined_program(task, design))
+
+
+def _may_hold_refined(task: Task, design: RefinedDesign) -> bool:
+    from stt_codegen.certify import outweighs_disturbances
+    from stt_codegen.certify.sampled import is_any_control_proved
+
+    if not task.has_automatic_limit and not outweighs_disturbances(task, design):
+        return False
+    return task.control.period is None or is_any_control_proved(task, design, *_errors_before_choice(task, design))
 
 
 def within_32_bits(program: Program) -> Program:
@@ -277,6 +428,8 @@ STAGES: Mapping[DesignKind, Stages] = {
         for_any_design(RefinedDesign, _refined_program),
         for_any_design(RefinedDesign, _certify_refined),
         for_any_design(RefinedDesign, _choose_refined_control),
+        _refined_alternatives,
+        for_any_design(RefinedDesign, _may_hold_refined),
     ),
     "adaptive": Stages(_design_adaptive, *_OF_ADAPTIVE),
     "literal": Stages(_design_literal, *_OF_ADAPTIVE),

@@ -2,6 +2,7 @@
 
 from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PathClaim, PeriodProof
 from stt_codegen.certify.claims import SlackClaim, Stretch, claims_of, cuts_of
+from stt_codegen.certify.limits import outweighs_disturbances
 from stt_codegen.certify.monitor import Cycle, Span, Time, holds
 from stt_codegen.certify.moving_slack import MovingBounds
 
@@ -24,6 +25,7 @@ __all__ = [
     "holds",
     "missions",
     "moving_slack",
+    "outweighs_disturbances",
     "rounding_allowance",
     "sampled",
     "slack",

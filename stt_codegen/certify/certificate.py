@@ -14,6 +14,7 @@ from typing import NamedTuple
 from stt_codegen.certify.monitor import Cycle, Witness
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import kinds_offering
+from stt_codegen.errors import Reason
 from stt_codegen.properties import OF_THE_EDGES, OF_THE_INPUT, SECONDS, Property
 from stt_codegen.task.mission import Formula, StateFormula
 
@@ -25,7 +26,9 @@ class Finding:
     Both are in the task's units. They are in seconds for P9 and the second finding of P10, but P9's is a length where
     initial_state is outside the share. P8's are in units per second. Where the property holds, `margin` is a proved lower bound
     on the slack, which is smallest in the time interval `time` (seconds), in `dimension` (from 1) and at `obstacle`. Where it
-    fails, margin and place are those of one failure, not necessarily the worst. advice: a remedy; empty for the property's own.
+    fails, margin and place are those of one failure, not necessarily the worst. advice: what may help; empty for the property's
+    own. problem: what is wrong, with the value found and the value allowed; empty for the statement with what is missing.
+    sufficient: keys of the task with values with which it would hold.
     """
 
     subject: Property
@@ -37,6 +40,8 @@ class Finding:
     dimension: int | None = None
     obstacle: str | None = None
     advice: str = ""
+    problem: str = ""
+    sufficient: tuple[tuple[str, Fraction], ...] = ()
     in_time: bool = False  # margin and required are seconds
 
     @property
@@ -73,9 +78,12 @@ class Finding:
 
     def fault(self, axes: Sequence[str] = ()) -> str:
         """Return what fails, where and by how much; axes as for `location`."""
+        if self.problem:
+            return f"{self.subject.label}: {self.problem}"
         location, unit = self.location(axes), " s" if self.is_in_seconds else ""
         at = f" at {location}" if location else ""
-        return f"{self.subject.label}{at}: fails by {decimal(self.required - self.margin)}{unit}"
+        missing = f"{decimal(self.required - self.margin)}{unit} is missing"
+        return f"{self.subject.label}{at}: it must be shown that {self.statement}; {missing}"
 
 
 class PathClaim(NamedTuple):
@@ -173,25 +181,29 @@ class Certificate:
         return self.method == "exact" and bool(short) and all(f.margin >= 0 and f.subject in OF_THE_EDGES for f in short)
 
     def refusal(self) -> str:
-        """Return all failures in one line, with each advice once, after all failures that it would remove.
+        """Return all failures in one line, and then what may help."""
+        reason = self.reason
+        return "; ".join(part for part in (reason.problem, reason.hint) if part)
 
-        P7 is named only where the exact tube itself is sound.
-        """
+    @property
+    def reason(self) -> Reason:
+        """All failures, and what may help against each. P7 is named only where the exact tube itself is sound."""
         if self.method == "sampled" and not self.failures:
             at_samples = f"{Property.WIDTH.label} to {Property.SMOOTH.label} hold at the samples"
             kinds = kinds_offering("has_exact_claims", quoted=True)
-            return f"{at_samples}, but this design is not proved between them; use tube.design = {kinds}"
-        broken = [f for f in self.failures if f.margin < 0 and f.subject is not Property.ARITHMETIC]
-        faults: dict[str, list[str]] = {}
+            return Reason(f"{at_samples}, but this design is not proved between them", f"use tube.design = {kinds}")
+        failures = [f for f in self.failures if f.margin < 0 and f.subject is not Property.ARITHMETIC] or list(self.failures)
         for_arithmetic = next((f.remedy for f in self.findings if f.subject is Property.ARITHMETIC), "")
-        for f in (
-            broken or self.failures
-        ):  # where only the margin for the arithmetic is too small, the property's remedy is no help
+        hints: dict[str, None] = {}
+        for f in failures:  # where only the margin for the arithmetic is too small, the property's remedy is no help
             lacks_rounding = f.margin >= 0 and f.subject in OF_THE_EDGES and not f.in_time
-            advice = for_arithmetic if lacks_rounding and for_arithmetic else f.remedy
-            faults.setdefault(advice, []).append(f.fault(self.axes))
-        sentence = "; ".join("; ".join([*group, *([advice] if advice else [])]) for advice, group in faults.items())
-        return f"holds at samples but cannot be proved between them: {sentence}" if self.method == "enclosure" else sentence
+            hints[for_arithmetic if lacks_rounding and for_arithmetic else f.remedy] = None
+        problem = "; ".join(f.fault(self.axes) for f in failures)
+        if self.method == "enclosure":
+            problem = f"holds at samples but cannot be proved between them: {problem}"
+        axis = next((f.dimension - 1 for f in failures if f.dimension), None)
+        codes, sufficient = tuple(dict.fromkeys(f.code for f in failures)), tuple(v for f in failures for v in f.sufficient)
+        return Reason(problem, ", or ".join(filter(None, hints)), codes, axis, sufficient=sufficient)
 
     @property
     def failures(self) -> tuple[Finding, ...]:

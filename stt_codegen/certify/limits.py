@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stt_codegen.certify.certificate import Finding
+from stt_codegen.certify.filtered_findings import input_slack
 from stt_codegen.constraints import control_authority, limit_constraints
 from stt_codegen.decimals import by_component
 from stt_codegen.designs import RefinedDesign
@@ -63,3 +64,12 @@ def certify_limits(task: Task, design: RefinedDesign) -> tuple[Finding, ...]:
         statement = f"|u| <= {limit}, scaled as a whole, outdoes all that pushes: no edge moves at {speed}/s or more"
     time = (smallest.segment * length, (smallest.segment + 1) * length)
     return (Finding(Property.LIMITS, statement, smallest.slack * per_second, per_second, time, dimension=smallest.dimension + 1),)
+
+
+def outweighs_disturbances(task: Task, design: RefinedDesign) -> bool:
+    """Return whether P8 holds, or is not asked for, without the rest of a certificate."""
+    if task.order == 2:
+        inertial_slack = input_slack(task, design)
+        return inertial_slack is None or inertial_slack.units >= 1
+    smallest = smallest_limit_slack(task, design)
+    return smallest is None or smallest.slack >= 1

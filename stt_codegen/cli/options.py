@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from stt_codegen.design_kinds import DesignKind
+from stt_codegen.effort import DEFAULT_SECONDS, Effort
 from stt_codegen.program.targets import TARGETS
 
 TaskFile = Annotated[Path, typer.Argument(metavar="TASK", help="a task file, see tasks/")]
@@ -30,6 +31,10 @@ PlantOption = Annotated[
     typer.Option(
         metavar="PLANT", help="integrator, robot, spacecraft, arm, or a Python file with f(x) and g(x); default: [plant]"
     ),
+]
+EffortOption = Annotated[
+    float,
+    typer.Option("--effort", min=0, metavar="SECONDS", help="how long to look for another way, where the task is refused"),
 ]
 Uncertified = Annotated[bool, typer.Option("--uncertified", help="write a tube whose certificate fails; every file says so")]
 Noise = Annotated[
@@ -68,6 +73,12 @@ def print_json(document: Any) -> None:
 def counted(number: int, thing: str) -> str:
     """Write a number with its noun: 3 folders, 1 folder."""
     return f"{number} {thing}" + ("" if number == 1 else "s")
+
+
+def effort_for(task: Path, seconds: float = DEFAULT_SECONDS) -> Effort:
+    """Return the effort of a search for another way, which says why it goes on."""
+    end = f"looking for what would do, up to {seconds:g} s; Ctrl-C ends the search"
+    return Effort(seconds, lambda reason: say(f"{task}: {reason}; {end}"))
 
 
 @contextmanager

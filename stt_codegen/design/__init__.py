@@ -4,7 +4,7 @@ Large because a tube is searched for in five kinds of space: routes, time, missi
 """
 
 from stt_codegen.design.lattice import lattice_of
-from stt_codegen.design.refine import family, refine, refine_with_allowance
+from stt_codegen.design.refine import alternatives, family, refine, refine_with_allowance
 from stt_codegen.design.user_tubes import fitted_tube, spline_tube
 
-__all__ = ["family", "fitted_tube", "lattice_of", "paper_tubes", "refine", "refine_with_allowance", "spline_tube"]
+__all__ = ["alternatives", "family", "fitted_tube", "lattice_of", "paper_tubes", "refine", "refine_with_allowance", "spline_tube"]

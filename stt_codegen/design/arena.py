@@ -25,11 +25,11 @@ from stt_codegen.constraints import (
     stay_constraints,
     width_constraints,
 )
-from stt_codegen.decimals import below, decimal
+from stt_codegen.decimals import decimal
 from stt_codegen.design.half_spaces import Array, HalfSpaces, ObliqueFaces
 from stt_codegen.design.lattice import Lattice, lattice_of
 from stt_codegen.design.moving_half_spaces import TimedObstacle, timed_obstacle_of
-from stt_codegen.errors import NotCertified
+from stt_codegen.errors import NotCertified, Reason
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet
@@ -144,16 +144,15 @@ def _require_wide_sets(task: Task, min_width: Fraction, allowance: Fraction) -> 
         for i in range(task.dimension):
             width = box.upper[i] - box.lower[i]
             if width < min_width + 6 * allowance:
-                raise NotCertified(
+                problem = (
                     f"{Property.WIDTH.label}: {field} is {decimal(width)} wide in {task.axis_words[i]}, too narrow for a tube of "
-                    f"min_width {decimal(min_width)} (plus {decimal(6 * allowance)} for rounding); "
-                    + (
-                        f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
-                        + {"float": ', or use emit.scalar = "double"', "fixed": ', or use "float"'}.get(task.emit.scalar, "")
-                        if width > min_width or width <= 6 * allowance
-                        else f"lower tube.min_width to {below(width - 6 * allowance, 4):g} or widen the set"
-                    )
+                    f"min_width {decimal(min_width)} (plus {decimal(6 * allowance)} for rounding)"
                 )
+                hint = "widen the set"
+                if width > min_width or width <= 6 * allowance:
+                    hint = f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
+                    hint += ', or use "float"' if task.emit.scalar == "fixed" else ""
+                raise NotCertified(Reason(problem, hint, (Property.WIDTH.code,), i))
 
 
 def _box(constraints: Sequence[Constraint], margin: Fraction, origin: Sequence[Fraction]) -> Array:
@@ -274,10 +273,10 @@ def starting_box(arena: Arena) -> Array:
         box = _cut_away(arena, box, j)
     for i, x in enumerate(arena.initial_state):
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance:
-            raise NotCertified(
-                f"{Property.START.label}: initial_state[{i}] = {arena.task_coordinate(i, x):.9g} is nearer than "
-                f"{4 * arena.allowance * arena.length_unit:.3g} (for rounding) to the edge of the initial set; move it inside"
-            )
+            near = f"{4 * arena.allowance * arena.length_unit:.3g} (for rounding)"
+            state = f"initial_state[{i}] = {arena.task_coordinate(i, x):.9g}"
+            problem = f"{Property.START.label}: {state} is nearer than {near} to the edge of the initial set"
+            raise NotCertified(Reason(problem, "move it inside", (Property.START.code,), i, has_remedy=False))
     return box
 
 
@@ -303,11 +302,10 @@ def _cut_away(arena: Arena, box: Array, j: int) -> Array:
     x, unit = arena.initial_state[i], arena.length_unit
     if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
         distance, clearance = max(nearest, 0.0) * unit, (arena.clearance - arena.allowance) * unit
-        raise NotCertified(
-            f"{Property.AVOID.label} at t = 0: {arena.names[j]} is {distance:.6g} from the initial set {direction}, nearer than "
-            f"the clearance {clearance:.6g}, and x(0) = {arena.task_coordinate(i, x):.6g} in {arena.axes[i]} leaves no room "
-            "to start elsewhere; lower tube.clearance, or move the initial set or x(0) away from it"
-        )
+        near = f"{arena.names[j]} is {distance:.6g} from the initial set {direction}, nearer than the clearance {clearance:.6g}"
+        state = f"x(0) = {arena.task_coordinate(i, x):.6g} in {arena.axes[i]} leaves no room to start elsewhere"
+        hint = "move the initial set or x(0) away from it"
+        raise NotCertified(Reason(f"{Property.AVOID.label} at t = 0: {near}, and {state}", hint, (Property.AVOID.code,), i))
     return box
 
 

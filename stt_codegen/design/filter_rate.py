@@ -9,24 +9,26 @@ refine.py and user_tubes.py call `with_filter` for every tube.
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
 
 from stt_codegen.constraints import control_authority
-from stt_codegen.decimals import above
+from stt_codegen.decimals import above, below, decimal
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.designs import LOWER, NARROWEST_WIDTH, UPPER, RefinedDesign, demanded_accelerations, filtered_edges
-from stt_codegen.errors import NotCertified
+from stt_codegen.errors import NotCertified, Reason
 from stt_codegen.program import round_to
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
 FRACTION_BITS = 10  # of a lambda that is chosen, after the leading bit
 CANDIDATES = np.geomspace(2.0**-6, 2.0**6, 97)  # times the lambda that needs as much input as the accelerations of the edges
+OTHER_RATES = (0.8, 1.25, 0.6, 1.6)  # times the chosen lambda, where no tube is certified with it
 LIMIT_MARGIN = 1e-6  # of the acceleration within u_max that a lambda must leave
-LIMIT_INCREASE = Fraction(101, 100)  # times the smallest limit of u that would do is the one that a refusal proposes
 # Of lambda times the width: -lambda b slows the approach by about so much while a late input comes. Where the drive lags.
 FILTER_PULL_SHARE = 0.25
 FIXED_FILTER_BITS = 14  # after the point: in integers lambda has 16 bits and is below 4
@@ -47,6 +49,19 @@ def with_filter(task: Task, design: RefinedDesign) -> RefinedDesign:
     return replace(design, filter=tuple(_choose_rate(task, design, i) for i in range(task.dimension)))
 
 
+def with_other_filters(task: Task, design: RefinedDesign) -> Iterator[RefinedDesign]:
+    """Yield the tube with other rates than the chosen ones: first of all axes, then of one axis after the other.
+
+    A rate that makes the filtered tube too narrow is left out; whether u is enough is for the certificate to say.
+    """
+    tubes = [_AxisTube.of(design, i) for i in range(task.dimension)]
+    axes = [tuple(range(task.dimension)), *((i,) for i in range(task.dimension) if task.dimension > 1)]
+    for changed, factor in itertools.product(axes, OTHER_RATES):
+        rates = [_round_to_few_bits(float(v) * factor) if i in changed else v for i, v in enumerate(design.filter)]
+        if all(tube.minimum_filtered_width(float(v)) > float(NARROWEST_WIDTH) for tube, v in zip(tubes, rates, strict=True)):
+            yield replace(design, filter=tuple(rates))
+
+
 def _choose_rate(task: Task, design: RefinedDesign, i: int) -> Fraction:
     """Return the lambda of axis i that leaves the longest time to cross half of the filtered tube, within u_max."""
     tube, force = _AxisTube.of(design, i), float(task.plant_bounds[i].force)
@@ -59,10 +74,14 @@ def _choose_rate(task: Task, design: RefinedDesign, i: int) -> Fraction:
         if tube.minimum_filtered_width(float(rate)) > float(NARROWEST_WIDTH)
     ]
     if not candidates:
+        problem = f"no tube.filter up to {float(max(rates)):g} leaves v + lambda x room in {task.axis_words[i]}"
         raise NotCertified(
-            f"{Property.WIDTH.label}: no tube.filter up to {float(max(rates)):g} leaves v + lambda x room in "
-            f"{task.axis_words[i]}, for the tube narrows too quickly there; raise prescribed_time, or make "
-            "the initial set narrower"
+            Reason(
+                f"{Property.WIDTH.label}: {problem}, for the tube narrows too quickly there",
+                "raise prescribed_time, or make the initial set narrower",
+                (Property.WIDTH.code, Property.LIMITS.code),
+                i,
+            )
         )
     available = float(control_authority(task)[i]) if task.requires_input_limits else np.inf
     pull_share = FILTER_PULL_SHARE if task.has_drive else 0.0
@@ -72,33 +91,18 @@ def _choose_rate(task: Task, design: RefinedDesign, i: int) -> Fraction:
         if required < available * (1 - LIMIT_MARGIN)
     ]
     if not crossing_times:
-        raise NotCertified(_limit_refusal(task, i, min(required for _, required, _ in candidates)))
+        raise NotCertified(_limit_reason(task, i, min(required for _, required, _ in candidates)))
     return max(crossing_times)[1]
 
 
-def _limit_refusal(task: Task, i: int, required: float) -> str:
-    """Return the message for an axis on which every lambda requires a larger acceleration than u_max leaves.
-
-    It proposes a limit of u: LIMIT_INCREASE times the smallest one that leaves the required acceleration.
-    """
+def _limit_reason(task: Task, i: int, required: float) -> Reason:
+    """Return why no lambda is possible on an axis on which every one requires a larger acceleration than u_max leaves."""
     assert task.u_max is not None
-    shortfall = Fraction(required) - control_authority(task)[i]
-    bounds = task.plant_bounds[i]
-    limit = task.u_max[i] + shortfall / bounds.g_min
-    if bounds.cross:  # the inputs of the other axes grow too, for there is one limit for all
-        net_gain = bounds.g_min - (task.dimension - 1) * bounds.cross
-        if net_gain <= 0:
-            return (
-                f"{Property.LIMITS.label}: in {task.axis_words[i]} the others push by g_cross as much as u holds by g_min, "
-                "whatever the limit; state a milder plant.g_cross"
-            )
-        limit = (Fraction(required) + bounds.force) / net_gain
-    limit *= LIMIT_INCREASE
-    return (
-        f"{Property.LIMITS.label}: in {task.axis_words[i]} the tube asks for accelerations of {above(Fraction(required), 3):g}, "
-        f"{above(shortfall, 3):g} more than u within control.u_max leaves; raise control.u_max to {above(limit, 3):g}, raise "
-        "prescribed_time, or state a milder plant"
-    )
+    authority, axis = control_authority(task)[i], task.axis_words[i]
+    demand = f"in {axis} the tube asks for accelerations of {above(Fraction(required), 3):g}"
+    left = f"f, w and coupling leave {below(authority, 3):g} of u_max = {decimal(task.u_max[i])}"
+    hint = "raise control.u_max or prescribed_time, or state a milder plant"
+    return Reason(f"{Property.LIMITS.label}: {demand}; {left}", hint, (Property.LIMITS.code,), i)
 
 
 def _round_to_few_bits(value: float) -> Fraction:

@@ -10,6 +10,7 @@ and the refusals call `search_of`.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
@@ -137,6 +138,15 @@ class MissionSearch(TimedSearch):
                     if is_close or is_second_try or self.arena.timed_obstacles:
                         return best
         return best
+
+    def generate_other_plans(self) -> Iterator[SplineTube]:
+        """Yield a tube for each other plan: other orders and times of the events, the widest first."""
+        for share in (*self.width_shares, 0.0):
+            width = self.width(share)
+            for plan in self.plans_for(share)[1:PLAN_LIMIT]:
+                timings = self.timings(plan, self.segment_counts[0], width)
+                tubes = (self._design_timing(plan, timing, self.segment_counts[0], width) for timing in timings)
+                yield from itertools.islice((tube for tube in tubes if tube is not None), 1)
 
     def _design_timing(self, plan: Plan, timing: Timing, segments: int, width: Array) -> SplineTube | None:
         """Return a tube whose events are at these knots; None where none is found within the bounds on speed.

@@ -12,6 +12,8 @@ coefficients alone.
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -20,19 +22,37 @@ from typing import NamedTuple
 import numpy as np
 
 from stt_codegen.design.arena import Arena, arena_of, normalise, starting_box
-from stt_codegen.design.filter_rate import with_filter
+from stt_codegen.design.filter_rate import with_filter, with_other_filters
 from stt_codegen.design.lattice import lattice_of
-from stt_codegen.design.mission_search import search_of, without_solver_cache
+from stt_codegen.design.mission_search import MissionSearch, search_of, without_solver_cache
 from stt_codegen.design.missions import mission_of, require_start
 from stt_codegen.design.refusals import explain_refusal
-from stt_codegen.design.spline_tubes import MANY_OBSTACLES, SplineTube, TubeSearch, segment_counts_of, smoothest_tube
+from stt_codegen.design.spline_tubes import (
+    MANY_OBSTACLES,
+    SEGMENT_TRIALS,
+    SplineTube,
+    TubeSearch,
+    segment_counts_of,
+    smoothest_tube,
+)
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.sampling import LIMIT_FACTORS, Gains, SampledLoop, balancing_gain, condition_kinds_of, limits_for, loop_of
+from stt_codegen.sampling import (
+    LIMIT_FACTORS,
+    Gains,
+    SampledLoop,
+    balancing_gain,
+    condition_kinds_of,
+    limits_for,
+    loop_of,
+    needed_input,
+)
 from stt_codegen.task import Task, with_assumed_plant
 
 SPEED_CAPS = (2, 1, 4, 16)  # times the speed needed without bounds by component: the limits that are tried, in this order
 ADVICE_LABEL_LIMIT = 3_000  # labels of a search for an order of visits, for advice: it is made some dozens of times
+PROMISING_RATIO = 0.97  # times the crossing time of a tube that is not certified: a tube that is quicker to cross is not tried
+FILTERED_TUBES = 2  # for which other filter rates are tried, where no tube is certified with its own
 SLOWEST_TOLERANCE = 1.01  # a tube so many times as fast as the slowest counts as slow as it, and the widest of these is taken
 
 
@@ -45,11 +65,85 @@ class _SearchResult(NamedTuple):
 
 def refine(task: Task) -> RefinedDesign:
     """Design a refined tube, the one that tube.prefer asks for. Raises `NotCertified` with the reason when none is found."""
+    return _design_of(task, _search_or_refuse(task))
+
+
+def alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDesign]:
+    """Yield other tubes of the task, for the case that its first one is not certified: those that it leaves open.
+
+    First come tubes of other widths, where the task states no `tube.prefer`; then other plans of a mission, more segments, and
+    for order 2 other filter rates. Tubes that are no better for the period than the first are left out. Every tube is rounded
+    and has its filter. first: None where there is none.
+    """
+    result = _search_or_refuse(task)
+    search = without_solver_cache(result.search)
+    allowance = Fraction(search.arena.allowance) * Fraction(search.arena.length_unit)
+    strength_of_first = None if first is None else _strength(task, first, allowance)
+
+    def promising(designs: Iterable[RefinedDesign]) -> list[RefinedDesign]:
+        """Return those that may be better than the first, the strongest first."""
+        pairs = [(_strength(task, design, allowance), design) for design in designs if design != first]
+        promising_pairs = [pair for pair in pairs if strength_of_first is None or pair[0].is_promising_beside(strength_of_first)]
+        return [design for _, design in sorted(promising_pairs, key=lambda pair: pair[0].crossing_time, reverse=True)]
+
+    leaves_width_open = "prefer" not in task.tube.model_fields_set
+    tubes = [result.tube, *(_tubes_of_other_widths(search) if leaves_width_open else [])]
+    designs = [design for tube in tubes if (design := _filtered_or_none(task, search, tube)) is not None]
+    yield from promising(designs)
+    for tube in _other_plans_and_segments(search):
+        design = _filtered_or_none(task, search, tube)
+        if design is not None:
+            designs.append(design)
+            yield from promising([design])
+    if task.order == 2 and task.filter is None:
+        best = sorted(designs, key=lambda design: _strength(task, design, allowance).crossing_time, reverse=True)
+        yield from promising(itertools.chain.from_iterable(with_other_filters(task, design) for design in best[:FILTERED_TUBES]))
+
+
+class _Strength(NamedTuple):
+    """How well a tube bears late inputs: the time in which x crosses it, seconds, and whether u outweighs all that acts."""
+
+    crossing_time: float
+    has_authority: bool
+
+    def is_promising_beside(self, failing: _Strength) -> bool:
+        """Return whether a tube may be certified although another one of the task is not."""
+        is_slower = self.crossing_time > PROMISING_RATIO * failing.crossing_time
+        return self.has_authority and (is_slower or not failing.has_authority)
+
+
+def _strength(task: Task, design: RefinedDesign, allowance: Fraction) -> _Strength:
+    """Return how well a tube bears late inputs. allowance: as in `_longest_period`."""
+    _, loop = _loop_with_choices(task, design, allowance)
+    with np.errstate(all="ignore"):
+        crossing_time = float((loop.windows.narrow / loop.closing_speed).min())
+        return _Strength(crossing_time, bool((needed_input(loop) < loop.law.u_max).all()))
+
+
+def _other_plans_and_segments(search: TubeSearch) -> Iterator[SplineTube]:
+    """Yield tubes along other plans of a mission, and tubes of more segments where their number is open."""
+    if isinstance(search, MissionSearch):
+        yield from (tube for tube in search.generate_other_plans() if search.meets_speed_limits(tube))
+    elif len(search.segment_counts) > SEGMENT_TRIALS and len(search.arena.names) <= MANY_OBSTACLES:
+        finer = without_solver_cache(replace(search, segment_counts=search.segment_counts[SEGMENT_TRIALS:]))
+        tube = finer.find_widest()
+        yield from [] if tube is None or not search.meets_speed_limits(tube) else [tube]
+
+
+def _filtered_or_none(task: Task, search: TubeSearch, tube: SplineTube) -> RefinedDesign | None:
+    """Return the rounded tube with its filter; None where the tube admits none."""
+    with suppress(NotCertified):
+        return _round_and_filter(task, search, tube)
+    return None
+
+
+def _search_or_refuse(task: Task) -> _SearchResult:
+    """Return the preferred tube. Raises `NotCertified` where there is none; its reason is worked out when it is read."""
     arena = _normalised_arena(task)
     result = _search_preferred(task, arena)
     if result is None:
-        raise NotCertified(explain_refusal(task, arena, _has_tube))
-    return _design_of(task, result)
+        raise NotCertified(lambda: explain_refusal(task, arena, _has_tube))
+    return result
 
 
 def refine_with_allowance(task: Task, rounding_allowance_factor: int) -> RefinedDesign | None:
@@ -174,12 +268,8 @@ def _round_and_filter(task: Task, search: TubeSearch, tube: SplineTube) -> Refin
 def _crossing_time(task: Task, design: RefinedDesign, allowance: Fraction) -> float:
     """Return the least width over closing speed of any window and component, in seconds, without the others' inputs; a
     proved lag is a part of it.
-
-    allowance: as in `_longest_period`.
     """
-    _, loop = _loop_with_choices(task, design, allowance)
-    with np.errstate(divide="ignore"):
-        return float((loop.windows.narrow / loop.closing_speed).min())
+    return _strength(task, design, allowance).crossing_time
 
 
 def _loop_with_choices(task: Task, design: RefinedDesign, allowance: Fraction) -> tuple[Task, SampledLoop]:

@@ -24,6 +24,7 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb
 
+from stt_codegen.effort import require_effort
 from stt_codegen.sampling.sampled_loop import SampledLoop, in_balls
 from stt_codegen.sampling.sampling_conditions import (
     SAMPLING_CONDITIONS,
@@ -202,6 +203,7 @@ def period_candidate(kind: str, loop: SampledLoop, effort: SearchEffort = PROOF_
 
     The period is found by halving for each E of a grid, then again on a grid around the best E.
     """
+    require_effort()
     best: PeriodCandidate | None = None
     grid = _first_grid(kind, loop, effort)
     for _ in range(effort.grids):

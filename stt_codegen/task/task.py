@@ -234,9 +234,11 @@ class Task(TaskTables):
                 fields.update({name: stated_table} if stated_table.model_fields_set else {})
         for name, value in values.items():
             table = fields.get(name)
-            if isinstance(value, dict) and isinstance(table, BaseModel):
-                merged = {**{field: getattr(table, field) for field in table.model_fields_set}, **value}
-                fields[name] = {field: v for field, v in merged.items() if v is not None}
+            if isinstance(value, dict):
+                present = (
+                    {field: getattr(table, field) for field in table.model_fields_set} if isinstance(table, BaseModel) else {}
+                )
+                fields[name] = {field: v for field, v in {**present, **value}.items() if v is not None}
             else:
                 fields[name] = value
         return Task(**{name: value for name, value in fields.items() if value is not None})

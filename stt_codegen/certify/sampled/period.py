@@ -11,6 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -18,18 +19,15 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, PeriodProof
-from stt_codegen.certify.sampled.late_inputs import DIFFERENCES_ADVICE, drive_words, late_advice, prove_late_period
+from stt_codegen.certify.sampled.failures import LongestPeriod, explain_period
+from stt_codegen.certify.sampled.late_inputs import DIFFERENCES_ADVICE, drive_words, prove_late_period
 from stt_codegen.certify.sampled.lost_turns import LostTurn, lost_turn
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.properties import Property
 from stt_codegen.sampling import (
-    WORTHWHILE_PERIOD_RATIO,
-    Gains,
     Period,
     SampledLoop,
-    balancing_gain,
-    choose_proved_gain,
     exact_loop,
     inputs_where_proved,
     longest_proved_period,
@@ -61,7 +59,12 @@ def certify_period(
     evidence = _evidence(task, design, exact, loop)
     proof, margin = evidence.proof, evidence.margin
     if proof is None:
-        return Finding(Property.PERIOD, _statement(task), margin, Fraction(0), advice=evidence.advice), None
+        failure = explain_period(task, loop, evidence.longest)
+        hint = DIFFERENCES_ADVICE if task.uses_differences else ""
+        axis = None if failure.axis is None else failure.axis + 1
+        sufficient = () if evidence.longest is None else (("control.period", evidence.longest.seconds),)
+        finding = Finding(Property.PERIOD, _statement(task), margin, Fraction(0), dimension=axis, advice=hint)
+        return replace(finding, problem=failure.problem, sufficient=sufficient), None
     if (lost := lost_turn(task, design, proof)) is not None:
         return _lost_turn_finding(task, lost), None
     if (unseen := _guard_finding(task, design, exact, proof)) is not None:
@@ -73,11 +76,14 @@ def certify_period(
 
 
 class PeriodEvidence(NamedTuple):
-    """The proof of a period, or None with advice; and by how many seconds a longer period is proved, negative without a proof."""
+    """The proof of a period, or None; by how many seconds a longer period is proved, negative without a proof.
+
+    longest: the longest proved period, where there is no proof of the task's; None where none is proved.
+    """
 
     proof: PeriodProof | None
     margin: Fraction
-    advice: str = ""
+    longest: LongestPeriod | None = None
 
 
 def _evidence(task: Task, design: RefinedDesign, exact: SampledLoop, loop: SampledLoop) -> PeriodEvidence:
@@ -93,7 +99,8 @@ def _evidence(task: Task, design: RefinedDesign, exact: SampledLoop, loop: Sampl
         return PeriodEvidence(proof, margin)
     if sharp is not None and (sharp.margin >= margin or task.uses_differences):
         return sharp
-    return PeriodEvidence(None, min(margin, -period / 1000), late_advice(task, path_loop))
+    longest = None if longest_period is None else LongestPeriod(longest_period)
+    return PeriodEvidence(None, min(margin, -period / 1000), longest)
 
 
 def _sharp_evidence(task: Task, exact: SampledLoop, loop: SampledLoop) -> PeriodEvidence:
@@ -103,7 +110,8 @@ def _sharp_evidence(task: Task, exact: SampledLoop, loop: SampledLoop) -> Period
     proof = prove_period(task, exact, loop, longest_period)
     if proof is None:
         # Where balls alone prove the period, which is no proof here, a small negative margin is stated.
-        return PeriodEvidence(None, min(margin, -task.sampling_period / 1000), _advice(task, loop))
+        longest = None if longest_period is None else LongestPeriod(Fraction(longest_period.seconds), longest_period.bottleneck)
+        return PeriodEvidence(None, min(margin, -task.sampling_period / 1000), longest)
     return PeriodEvidence(proof, margin)
 
 
@@ -127,7 +135,11 @@ def _start_outside_share(task: Task, design: RefinedDesign) -> Finding | None:
     larger = f", or raise initial_set.share to {needed:g}" if needed < min(task.e_max) else ""
     statement = f"initial_state within {decimal(share)} of gamma(0)'s half widths"
     at_start, advice = (Fraction(0), Fraction(0)), f"move initial_state inwards{larger}"
-    return Finding(Property.PERIOD, statement, -distance[i], Fraction(0), at_start, dimension=i + 1, advice=advice)
+    problem = f"initial_state is outside the starts that sampling is proved for: {statement}, and in {task.axis_words[i]} it is "
+    problem += f"{above(distance[i], 3):g} beyond"
+    return Finding(
+        Property.PERIOD, statement, -distance[i], Fraction(0), at_start, dimension=i + 1, advice=advice, problem=problem
+    )
 
 
 def _guard_finding(task: Task, design: RefinedDesign, exact: SampledLoop, proof: PeriodProof) -> Finding | None:
@@ -146,9 +158,12 @@ def _guard_finding(task: Task, design: RefinedDesign, exact: SampledLoop, proof:
         if nearest <= shift:
             name, option = task.axis_words[i], f'control.outside = "{task.control.outside}"'
             problem = f"{name} is measured to {above(shift, 3):g}, and may be {below(nearest, 3):g} from an edge"
-            advice = f'{problem}: {option} would act inside the tube; state less noise, or use control.outside = "return"'
-            time = (Fraction(0), task.prescribed_time)
-            return Finding(Property.PERIOD, _statement(task), nearest - shift, Fraction(0), time, dimension=i + 1, advice=advice)
+            problem = f"{problem}: {option} would act inside the tube"
+            advice = 'state less noise, or use control.outside = "return"'
+            time, margin = (Fraction(0), task.prescribed_time), nearest - shift
+            return Finding(
+                Property.PERIOD, _statement(task), margin, Fraction(0), time, dimension=i + 1, advice=advice, problem=problem
+            )
     return None
 
 
@@ -156,10 +171,11 @@ def _lost_turn_finding(task: Task, lost: LostTurn) -> Finding:
     """Return the finding that x may move so far between samples that a turn is miscounted."""
     name = task.axis_words[lost.axis]
     statement = f"x is on a known turn of {name}: it moves by at most {above(lost.motion, 4):g} from sample to sample"
-    allowed = f"{below(lost.allowed, 4):g}"
-    advice = f"only less than {allowed} tells turns of {name} apart; lower control.period, or control.u_max there"
+    moved, allowed = f"{above(lost.motion, 4):g}", f"{below(lost.allowed, 4):g}"
+    problem = f"{name} may move by {moved} from sample to sample, and only less than {allowed} tells its turns apart"
+    advice = "lower control.period, or control.u_max there"
     time, margin = (Fraction(0), task.prescribed_time), lost.allowed - lost.motion
-    return Finding(Property.PERIOD, statement, margin, Fraction(0), time, dimension=lost.axis + 1, advice=advice)
+    return Finding(Property.PERIOD, statement, margin, Fraction(0), time, dimension=lost.axis + 1, advice=advice, problem=problem)
 
 
 def prove_period(task: Task, exact: SampledLoop, loop: SampledLoop, longest_period: Period | None) -> PeriodProof | None:
@@ -216,37 +232,3 @@ def _statement(task: Task) -> str:
         often = f"s or faster, but not below {decimal(task.shortest_period)} s, with v = (x - x before) / time between"
     at = "at ticks, every" if task.emit.scalar == "fixed" else "every"
     return f"sampled {at} {decimal(control.period)} {often}, from every start with {starts}, for {', '.join(bounds)}"
-
-
-def _advice(task: Task, loop: SampledLoop) -> str:
-    """Return which gain, period or limit would do, as a task file states them: with the sign of the task's gain."""
-    if task.uses_differences:
-        return DIFFERENCES_ADVICE
-    gains, wanted = Gains(loop, balancing_gain(loop), kinds=("sharp",)), float(task.sampling_period)
-    sign = 1 if task.gain[0] > 0 else -1
-
-    def written(gain: Array) -> str:
-        return by_component((sign * gain).tolist())
-
-    best = choose_proved_gain(loop, wanted, kinds=("sharp",))
-    if best is not None:
-        return (
-            f'use control.gain = "tight" (here {written(best.gain)})' if sign > 0 else f"use control.gain = {written(best.gain)}"
-        )
-    best = gains.with_longest_period
-    remedies, longest_seconds = [], best.period.seconds if best else 0.0
-    if best is not None:
-        remedies.append(f"control.period = {_below(longest_seconds):g} with gain {written(best.gain)}")
-    limited = gains.with_suggested_limits
-    if limited is not None and limited.period.seconds > WORTHWHILE_PERIOD_RATIO * longest_seconds:
-        seconds = min(_below(limited.period.seconds), wanted)
-        u_max = by_component(limited.u_max.tolist())
-        remedies.append(f"control.u_max = {u_max} and control.period = {seconds:.6g} with gain {written(limited.gain)}")
-    if remedies:
-        return f"use {', or '.join(remedies)}"
-    limits = "" if task.u_max is None else " with this control.u_max"  # another one, smaller too, is not searched for
-    return f"none of the gains tried is proved for any period{limits}: widen or slow the tube, or state a milder plant"
-
-
-def _below(seconds: float) -> float:
-    return below(Fraction(seconds), 3)

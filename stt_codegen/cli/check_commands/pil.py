@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from stt_codegen.board import BOARDS
-from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFile, one_of, patience, print_json
+from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFile, effort_for, one_of, patience, print_json
 
 
 def pil(
@@ -26,7 +26,7 @@ def pil(
         from stt_codegen.board.emulated import run_on_board
         from stt_codegen.pipeline import build
 
-        controller = build(task, design, scalar, language="rust" if rust else None)
+        controller = build(task, design, scalar, language="rust" if rust else None, effort=effort_for(task))
         rows, costs = run_on_board(controller, BOARDS[board], points, rust)
     good = all(r.holds for r in rows)
     if json:

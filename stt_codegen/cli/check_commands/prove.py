@@ -8,7 +8,18 @@ from typing import Annotated, Any
 
 import typer
 
-from stt_codegen.cli.options import DesignOption, Json, Latency, Noise, PlantOption, ScalarOption, patience, print_json, say
+from stt_codegen.cli.options import (
+    DesignOption,
+    Json,
+    Latency,
+    Noise,
+    PlantOption,
+    ScalarOption,
+    effort_for,
+    patience,
+    print_json,
+    say,
+)
 from stt_codegen.errors import BadInput
 
 BOOK = Path("generated/lemmas.md")  # where a repository keeps the book
@@ -47,7 +58,7 @@ def prove(
         from stt_codegen.pipeline import build
 
         with patience(f"designing {task}"):
-            controller = build(task, design, scalar)
+            controller = build(task, design, scalar, effort=effort_for(task))
         good = _prove_task(controller, plant, (noise, latency), folder=out or Path(), check=check, as_json=json)
     if not good:
         raise typer.Exit(1)

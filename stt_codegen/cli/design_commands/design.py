@@ -8,7 +8,19 @@ from typing import Annotated
 
 import typer
 
-from stt_codegen.cli.options import Axes, DesignOption, Json, ScalarOption, TaskFile, Uncertified, patience, print_json
+from stt_codegen.cli.options import (
+    Axes,
+    DesignOption,
+    EffortOption,
+    Json,
+    ScalarOption,
+    TaskFile,
+    Uncertified,
+    effort_for,
+    patience,
+    print_json,
+)
+from stt_codegen.effort import DEFAULT_SECONDS
 
 
 def design(
@@ -23,6 +35,7 @@ def design(
         bool, typer.Option("--pareto", help="what tubes of several widths trade: width, speed, longest proved period")
     ] = False,
     json: Json = False,
+    effort: EffortOption = DEFAULT_SECONDS,
     uncertified: Uncertified = False,
 ) -> None:
     """Show the tube of a task before anything is emitted: width, speed, certificate, cost, picture."""
@@ -34,7 +47,7 @@ def design(
         from stt_codegen.report import design_report
 
         begin = time.perf_counter()
-        controller = build(task, design, scalar, uncertified)
+        controller = build(task, design, scalar, uncertified, effort=effort_for(task, effort))
         report = design_report(controller, time.perf_counter() - begin)
         if picture is not None:
             from stt_codegen.record import refuse_to_overwrite_inputs

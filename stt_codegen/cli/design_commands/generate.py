@@ -11,15 +11,18 @@ import typer
 from stt_codegen.cli.options import (
     PACKAGES,
     DesignOption,
+    EffortOption,
     Json,
     ScalarOption,
     TaskFiles,
     Uncertified,
+    effort_for,
     one_of,
     patience,
     print_json,
     say,
 )
+from stt_codegen.effort import DEFAULT_SECONDS
 from stt_codegen.errors import BadInput
 from stt_codegen.program.targets import optional_targets
 
@@ -50,12 +53,13 @@ def generate(
         bool, typer.Option("--theorem", help="write <name>.v too: the theorems for Coq, see `stt-codegen theorem`")
     ] = False,
     json: Json = False,
+    effort: EffortOption = DEFAULT_SECONDS,
 ) -> None:
     """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
     from stt_codegen.record import interface_of
 
     _require_compatible(out=out, record=record, package=package, theorem=theorem)
-    controllers = _build_all(tasks, design=design, scalar=scalar, uncertified=uncertified, package=package)
+    controllers = _build_all(tasks, design=design, scalar=scalar, uncertified=uncertified, package=package, effort=effort)
     contents = _files_of_all(controllers, package=package, plant=plant, theorem=theorem)
     _require_safe_targets(controllers, contents, record, out or Path())
     folders = _write_all(controllers, contents, record=record, out=out or Path(), uncertified=uncertified)
@@ -84,7 +88,9 @@ def _require_compatible(*, out: Path | None, record: Path | None, package: str, 
         raise BadInput("--theorem: is written beside the plain files; leave out --record and --package")
 
 
-def _build_all(tasks: list[Path], *, design: str | None, scalar: str | None, uncertified: bool, package: str) -> Controllers:
+def _build_all(
+    tasks: list[Path], *, design: str | None, scalar: str | None, uncertified: bool, package: str, effort: float
+) -> Controllers:
     """Build the controller of each task, all of them before any is written."""
     from stt_codegen.pipeline import build
 
@@ -92,7 +98,7 @@ def _build_all(tasks: list[Path], *, design: str | None, scalar: str | None, unc
     controllers = []
     for task in tasks:
         with patience(f"designing {task}"):
-            controllers.append((task, build(task, design, scalar, uncertified, language)))
+            controllers.append((task, build(task, design, scalar, uncertified, language, effort_for(task, effort))))
     return controllers
 
 

@@ -16,6 +16,7 @@ from stt_codegen.cli.options import (
     ScalarOption,
     TaskFile,
     Uncertified,
+    effort_for,
     patience,
     print_json,
     say,
@@ -48,7 +49,7 @@ def report(
 
         loaded = load_task(task)
         model = None if plant is None else plant_of(plant, loaded.dimension, loaded.order)
-        controller = build(task, design, scalar, uncertified)
+        controller = build(task, design, scalar, uncertified, effort=effort_for(task))
         figures = design_report(controller, time.perf_counter() - begin)
     with patience(f"compiling and comparing {controller.task.name}"):
         from stt_codegen.report.page import evidence, page

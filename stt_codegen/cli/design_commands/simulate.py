@@ -16,6 +16,7 @@ from stt_codegen.cli.options import (
     ScalarOption,
     TaskFile,
     Uncertified,
+    effort_for,
     patience,
     print_json,
     say,
@@ -70,7 +71,7 @@ def simulate(
             lag=lag, start=start,
             seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
         )  # fmt: skip
-        controller = build(task, design, scalar, uncertified)
+        controller = build(task, design, scalar, uncertified, effort=effort_for(task))
         report = run_loop(controller, request, out)
     for name in enlarged_sets(controller.task):
         say(f"note: {controller.task.name}: {name} is judged by a larger set, so a reported collision may not have happened")

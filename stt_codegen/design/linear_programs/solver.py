@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
+from stt_codegen.effort import require_effort
 
 Columns = npt.NDArray[np.int64]
 FEASIBILITY_TOLERANCE = 1e-9  # the smallest that HiGHS accepts is 1e-10; the arena's allowance is thousands of times larger
@@ -165,6 +166,7 @@ def _load(cost: Array, rows: Rows, bounds: ProgramBounds) -> highspy.Highs:
 
 
 def _solve(solver: highspy.Highs) -> Array | None:
+    require_effort()
     solver.run()
     if solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
         return None

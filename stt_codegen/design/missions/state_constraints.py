@@ -24,7 +24,7 @@ from stt_codegen.design.missions.expansion import expand_cyclic_formula, expand_
 from stt_codegen.design.missions.skeleton import END, START, Skeleton, seam_times
 from stt_codegen.design.moving_half_spaces import INACTIVE, TimedObstacle
 from stt_codegen.design.routes import GrownObstacles, grow_obstacles
-from stt_codegen.errors import NotCertified
+from stt_codegen.errors import NotCertified, Reason
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 from stt_codegen.task.mission import And, Formula, InRegion, Or, StateFormula, state_formulas_of
@@ -156,10 +156,8 @@ def require_start(mission: Mission, start: Array) -> None:
                 problem, requirement = f"is nearer to {region} than the clearance", "stay clear of it"
             else:
                 problem, requirement = f"is not in {state}", "be there"
-            raise NotCertified(
-                f"{Property.MISSION.label} at t = 0: the initial set {problem}, and from the start on it must {requirement}; "
-                "move or shrink one of them"
-            )
+            problem = f"{Property.MISSION.label} at t = 0: the initial set {problem}, and from the start on it must {requirement}"
+            raise NotCertified(Reason(problem, "move or shrink one of them", (Property.MISSION.code,)))
 
 
 def _is_avoidance(state: StateFormula) -> bool:

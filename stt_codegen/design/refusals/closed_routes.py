@@ -1,52 +1,37 @@
-"""The message where no route is found among sets that move: what closes the routes and when, and which options would open one.
+"""The reason why no route is found among sets that move: what closes the routes, and when.
 
-Only routes are sought here, not tubes: with a value from the message a route is open, and the next run shows whether a tube fits
-along it. advice.py calls `explain_closed_routes`.
+reasons.py calls `explain_closed_routes`.
 """
 
 from __future__ import annotations
 
 import itertools
 from bisect import bisect_left
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import replace
-from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.decimals import below, decimal
-from stt_codegen.design.arena import Arena, arena_of, normalise, starting_box
+from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.moving_half_spaces import TimedObstacle
 from stt_codegen.design.spacetime import SliceSearch, has_timed_route, slice_searches
-from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.errors import Reason
 from stt_codegen.properties import Property
-from stt_codegen.task import Task
 
-HALVINGS = 8  # to find the value of an option: cells are a hundredth of the space
 OBSTACLE_LIMIT = 40  # so many sets are examined whether they close all routes,
 SEARCH_LIMIT = 6  # each on so many of the fields that are searched: all of them in up to three dimensions
-LONGER_TIMES = (Fraction(5, 4), Fraction(3, 2), Fraction(2), Fraction(3))  # times prescribed_time
-FINER_STEPS = (Fraction(1, 8), Fraction(1, 4), Fraction(1, 2))  # from one of the longer times to the next
-REDUCED_PARTS = tuple(Fraction(part, 8) for part in range(7, -1, -1))  # of an uncertainty or a growth
-HasRoute = Callable[[Arena], bool]
 
 
-def explain_closed_routes(task: Task, arena: Arena, segments: int) -> str:
-    """Return the refusal in one sentence. segments: the number of segments of time that a route has."""
-
-    def has_route(trial: Arena) -> bool:
-        with suppress(NotCertified):
-            return has_timed_route(trial, *_narrowest_start(trial), segments)
-        return False
-
+def explain_closed_routes(arena: Arena, segments: int) -> Reason:
+    """Return why no route is found. segments: the number of segments of time that a route has."""
     reason = f"{Property.AVOID.label}: no way was found from the initial set to the target set among the unsafe sets as they move"
-    if has_route(arena):
-        return f"{reason}: cells have a way, but no spline tube was found along it; lower tube.min_width or tube.clearance"
+    codes = (Property.AVOID.code,)
+    if has_timed_route(arena, *_narrowest_start(arena), segments):
+        problem = f"{reason}: cells have a way, but no spline tube was found along it"
+        return Reason(problem, "lower tube.min_width or tube.clearance", codes)
     searched = list(itertools.islice(slice_searches(arena, *_narrowest_start(arena), segments), SEARCH_LIMIT))
     obstacles = arena.timed_obstacles[:OBSTACLE_LIMIT]
     closing = [text for obstacle in obstacles if (text := _describe_closing(arena, obstacle, searched))]
@@ -54,84 +39,13 @@ def explain_closed_routes(task: Task, arena: Arena, segments: int) -> str:
         cause = f"{' and '.join(closing)} close{'s' if len(closing) == 1 else ''} it"
     else:
         cause = _describe_last_free_time(arena, searched)
-    remedies = [*_opening_lengths(arena, has_route), *_opening_options(task, has_route)]
-    if remedies:
-        return f"{reason}: {cause}; a way opens at, for example, {', or at '.join(remedies)}"
-    return f"{reason}: {cause}; move a set, or let it be safe earlier or longer"
+    return Reason(f"{reason}: {cause}", "move a set, or let it be safe earlier or longer", codes)
 
 
 def _narrowest_start(arena: Arena) -> tuple[Array, Array]:
     """Return the centre of gamma(0) and the minimum width, (n,) each."""
     box = starting_box(arena)
     return (box[0] + box[1]) / 2, np.full(arena.dimension, arena.min_width)
-
-
-def _opening_lengths(arena: Arena, has_route: HasRoute) -> Iterator[str]:
-    """Yield the largest clearance, and the largest width, at which there is a route."""
-    allowance = arena.allowance
-    options: tuple[tuple[str, float, float, Callable[[float], Arena]], ...] = (
-        ("clearance", allowance, arena.clearance, lambda v: replace(arena, clearance=v)),
-        ("min_width", 2 * allowance, arena.min_width, lambda v: replace(arena, min_width=v)),
-    )
-    for name, zero, current, arena_with in options:  # zero: the arena's value for an option of 0
-        if has_route(arena_with(zero)):
-            value = _last_that_holds(lambda v, with_=arena_with: has_route(with_(v)), zero, current)  # type: ignore[misc]
-            yield f"tube.{name} = {below(Fraction(max((value - zero) * arena.length_unit, 0.0)), 3):g}"
-
-
-def _last_that_holds(holds: Callable[[float], bool], good: float, bad: float) -> float:
-    """Return a value at which something holds, near the last one from a good value towards a bad one."""
-    for _ in range(HALVINGS):
-        middle = (good + bad) / 2
-        good, bad = (middle, bad) if holds(middle) else (good, middle)
-    return good
-
-
-def _opening_options(task: Task, has_route: HasRoute) -> Iterator[str]:
-    """Yield a smaller start delay, timing uncertainty or growth, and a longer time, each of which alone opens a route."""
-    if task.start_delay:
-        part = _largest_part(lambda part: _has_route_with(task, {"start_delay": task.start_delay * part}, has_route))
-        yield from () if part is None else (f"start_delay = {decimal(task.start_delay * part)}",)
-    for key in ("timing", "spread"):
-        names = [s.name for s in task.as_stated.unsafe if getattr(s, key)]
-        if names:
-            part = _largest_part(lambda part, key=key: _has_route_with(task, _with_part(task, key, part), has_route))  # type: ignore[misc]
-            if part is not None:
-                values = sorted({part * getattr(s, key) for s in task.unsafe if getattr(s, key)})
-                yield f"{key} = {' and '.join(decimal(v) for v in values)} of {' and '.join(names)}"
-    factor = _opening_time_factor(task, has_route)
-    if factor is not None:
-        yield f"prescribed_time = {decimal(factor * task.prescribed_time)}"
-
-
-def _with_part(task: Task, key: str, part: Fraction) -> dict[str, object]:
-    """Return the change of a task in which every unsafe set has a part of its value for a key."""
-    values = ((s, getattr(s, key)) for s in task.as_stated.unsafe)
-    return {"unsafe": tuple(s.model_copy(update={key: part * value}) if value else s for s, value in values)}
-
-
-def _largest_part(opens_route: Callable[[Fraction], bool]) -> Fraction | None:
-    """Return the largest of the reduced parts of a value with which there is a route; None where none opens one."""
-    return next((part for part in REDUCED_PARTS if opens_route(part)), None)
-
-
-def _opening_time_factor(task: Task, has_route: HasRoute) -> Fraction | None:
-    """Return a factor for prescribed_time at which there is a route, near the smallest one; None up to the largest factor."""
-    for shorter, longer in pairwise((Fraction(1), *LONGER_TIMES)):
-        if _has_route_with(task, {"prescribed_time": longer * task.prescribed_time}, has_route):
-            trials = (shorter + step * (longer - shorter) for step in FINER_STEPS)
-            changes = ((trial, {"prescribed_time": trial * task.prescribed_time}) for trial in trials)
-            return next((trial for trial, change in changes if _has_route_with(task, change, has_route)), longer)
-    return None
-
-
-def _has_route_with(task: Task, change: Mapping[str, object], has_route: HasRoute) -> bool:
-    """Return whether there is a route for the task with some fields changed."""
-    with suppress(BadInput, NotCertified):
-        trial = task.changed(**change)
-        lattice = lattice_of(trial)
-        return has_route(normalise(arena_of(trial, lattice), lattice.exponent))
-    return False
 
 
 def _describe_closing(arena: Arena, obstacle: TimedObstacle, searched: Sequence[SliceSearch]) -> str | None:

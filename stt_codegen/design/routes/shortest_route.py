@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from fractions import Fraction
 
 import numpy as np
 
-from stt_codegen.decimals import below
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array, HalfSpaces
 from stt_codegen.design.routes.cell_path import GRID_DIVISIONS, find_cell_path, find_grid_path, has_few_cells
@@ -24,10 +22,9 @@ from stt_codegen.design.routes.corner_search import (
     search_corners,
     search_finds_every_route,
 )
-from stt_codegen.errors import NotCertified
+from stt_codegen.errors import NotCertified, Reason
 from stt_codegen.properties import Property
 
-HALVINGS = 30  # of the search for the largest clearance or width with a route
 LEG_DIMENSIONS = 3  # dimensions that move together in a leg of a route in many dimensions
 NAMED_SET_LIMIT = 40  # unsafe sets of an arena; with more, a refusal names no set that closes the route by itself
 
@@ -40,7 +37,7 @@ def shortest_route(arena: Arena, start: Array, width: Array) -> Route:
     centre = (start[0] + start[1]) / 2
     route = _first_route(arena, centre, arena.clearance + width / 2, width / 2)
     if route is None:
-        raise NotCertified(_explain_blocked_route(arena, centre))
+        raise NotCertified(lambda: _explain_blocked_route(arena, centre))
     return route
 
 
@@ -161,11 +158,8 @@ def _shortened(problem: CentreProblem, points: Array | None) -> Route | None:
     return route_through(problem, points[kept])
 
 
-def _explain_blocked_route(arena: Arena, centre: Array) -> str:
-    """Return the refusal where no route is found.
-
-    It names each change that opens a route by itself: without a set, or the largest clearance or width with a route.
-    """
+def _explain_blocked_route(arena: Arena, centre: Array) -> Reason:
+    """Return why no route is found: which set closes every route by itself, or that the tube is too wide for all of them."""
 
     def has_route(clearance: float, width: float, without: int | None = None) -> bool:
         """Return whether a search finds a route for this clearance and width, without the set of this index."""
@@ -173,32 +167,17 @@ def _explain_blocked_route(arena: Arena, centre: Array) -> str:
         kept_sets = [j for j in range(len(arena.names)) if j != without]
         return _first_route(arena.with_sets(kept_sets), centre, clearance + half_width, half_width) is not None
 
-    def largest(holds: Callable[[float], bool], limit: float) -> str:
-        """Return the largest value up to a limit for which `holds`, less twice `arena.allowance`, in the task's units."""
-        low, high = 0.0, limit
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            low, high = (middle, high) if holds(middle) else (low, middle)
-        return f"{below(Fraction(max(low - 2 * arena.allowance, 0.0) * arena.length_unit), 4):g}"
-
     smallest_clearance, smallest_width = arena.allowance, 2 * arena.allowance  # the task's 0, with the allowance for rounding
     is_final = search_finds_every_route(arena) or (arena.has_only_boxes and has_few_cells(len(arena.names), arena.dimension))
     verb = "leads" if is_final else "was found"
-    refusal = f"{Property.AVOID.label}: no way {verb} from the initial set to the target set between the unsafe sets"
+    problem = f"{Property.AVOID.label}: no way {verb} from the initial set to the target set between the unsafe sets"
     if not has_route(smallest_clearance, smallest_width):
         has_few_sets = len(arena.names) <= NAMED_SET_LIMIT
         blocking = [n for j, n in enumerate(arena.names) if has_few_sets and has_route(smallest_clearance, smallest_width, j)]
         remove = f"without {' or '.join(blocking)} there would be one" if blocking else "remove or shrink an unsafe set"
-        return f"{refusal}, whatever the clearance; {remove}, or enlarge the state space"
+        whatever = f"{problem}, whatever the clearance; {remove}, or enlarge the state space"
+        return Reason(whatever, codes=(Property.AVOID.code,), has_remedy=False)
     width = (arena.min_width - 2 * arena.allowance) * arena.length_unit
     clearance = (arena.clearance - arena.allowance) * arena.length_unit
-    remedies = []
-    if has_route(smallest_clearance, arena.min_width):
-        remedies.append(f"tube.clearance = {largest(lambda c: has_route(c, arena.min_width), arena.clearance)}")
-    if has_route(arena.clearance, smallest_width):
-        remedies.append(f"tube.min_width = {largest(lambda w: has_route(arena.clearance, w), arena.min_width)}")
-    if not remedies:
-        widest = largest(lambda w: has_route(smallest_clearance, w), arena.min_width)
-        remedies.append(f"tube.clearance = 0 together with tube.min_width = {widest}")
     wanted_tube = f"for a tube of width {width:.6g} with a clearance of {clearance:.6g}"
-    return f"{refusal} {wanted_tube}; a way opens at {', or at '.join(remedies)}"
+    return Reason(f"{problem} {wanted_tube}", Property.AVOID.advice, (Property.AVOID.code,))

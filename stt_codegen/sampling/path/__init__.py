@@ -7,6 +7,7 @@ from stt_codegen.sampling.path.drive_response import Drive, DriveCells
 from stt_codegen.sampling.path.integer_logarithm import LOG_BITS, log_bounds
 from stt_codegen.sampling.path.path_gain import (
     PROVED_FACTORS,
+    PathGain,
     choose_path_gain,
     proved_disturbance_factor,
     proved_drive_factor,
@@ -27,6 +28,7 @@ __all__ = [
     "Drive",
     "DriveCells",
     "PathBounds",
+    "PathGain",
     "PathLoop",
     "PathProof",
     "Start",

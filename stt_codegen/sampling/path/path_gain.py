@@ -56,6 +56,8 @@ def _choose_for(loop: PathLoop, disturbance: Sequence[Fraction], resting_error: 
     is_proved = cache(lambda gain: prove_path(with_gain(loop, gain)) is not None)
     for multiples in (MULTIPLES, LAST_MULTIPLES):
         gains = [tuple(Fraction(str(above(multiple * k, GAIN_DIGITS))) for k in resting) for multiple in multiples]
+        if not any(map(is_proved, gains)):  # so that a loop that no gain proves is known without trying reserves
+            continue
         for smaller_reserve in _reserves_below(reserve):
             for gain in gains:
                 if _is_proved_with(loop, gain, disturbance, smaller_reserve) and is_proved(gain):

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from stt_codegen.decimals import above
+from stt_codegen.effort import require_effort
 from stt_codegen.sampling.path.path_windows import PathLoop
 from stt_codegen.sampling.path.worst_path import PathBounds, WorstPath, follow_worst_path
 
@@ -48,6 +49,7 @@ class PathProof:
 
 def prove_path(loop: PathLoop) -> PathProof | None:
     """Prove that the loop stays in its tube, with the smallest rho that the search finds; None where no path does."""
+    require_effort()
     if loop.age > loop.largest_known_age:
         return None
     proof = _search(loop, is_local=False)

@@ -1,0 +1,75 @@
+"""Why a sampling period is not proved, in words: on which axis, and which numbers are beside each other."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from stt_codegen.decimals import above, below, by_component, decimal
+from stt_codegen.sampling import SampledLoop, needed_input
+from stt_codegen.sampling.path import Drive
+from stt_codegen.task import Task
+
+SAMPLE_AGE_SHARE = 0.6  # of the age of a sample, that counts like a delay of the drive
+
+
+class LongestPeriod(NamedTuple):
+    """The longest proved period in seconds.
+
+    bottleneck: from when to when, and on which axis (from 1; 0 for all), it fails first.
+    """
+
+    seconds: Fraction
+    bottleneck: tuple[float, float, int] | None = None
+
+
+class PeriodFailure(NamedTuple):
+    """What is wrong, and the axis (from 0) that fails; None for no one axis."""
+
+    problem: str
+    axis: int | None
+
+
+def explain_period(task: Task, loop: SampledLoop, longest: LongestPeriod | None) -> PeriodFailure:
+    """Return why the task's period is not proved. loop: in doubles; longest: at the task's gain, None where none is proved."""
+    weak = _axis_without_authority(task, loop)
+    if weak is not None:
+        needed, limit = needed_input(loop)[weak], loop.law.u_max[weak]
+        against = f"|u| = {above(Fraction(needed), 3):g} is needed against the edges, f, w and coupling"
+        return PeriodFailure(f"in {task.axis_words[weak]} {against}, and control.u_max is {limit:g}", weak)
+    gain = f"gain {by_component(task.gain)}"
+    if longest is not None and longest.seconds > 0:
+        problem = f"control.period = {decimal(task.sampling_period)} s is too long"
+        problem += f"; {below(longest.seconds, 3):g} s is the longest that is proved with {gain}"
+        begin, end, dimension = longest.bottleneck or (0.0, 0.0, 0)
+        if not dimension:
+            return PeriodFailure(problem, None)
+        first = f"{task.axis_words[dimension - 1]} fails first, at t in [{begin:.3g}, {end:.3g}] s"
+        return PeriodFailure(f"{problem}, where {first}", dimension - 1)
+    axis, delay, crossing = _latest_axis(task, loop)
+    problem = f"no period is proved with {gain}: in {task.axis_words[axis]} the input is late by "
+    problem += f"{delay:.3g} s (drive, latency and {SAMPLE_AGE_SHARE:g} of the period); x crosses the tube in {crossing:.3g} s"
+    return PeriodFailure(problem, axis)
+
+
+def _axis_without_authority(task: Task, loop: SampledLoop) -> int | None:
+    """Return the axis whose limit of u is farthest below what is needed there; None where every limit is enough."""
+    if task.u_max is None:
+        return None
+    ratio = needed_input(loop) / loop.law.u_max
+    axis = int(ratio.argmax())
+    return axis if ratio[axis] >= 1 else None
+
+
+def _latest_axis(task: Task, loop: SampledLoop) -> tuple[int, float, float]:
+    """Return the axis on which the input is latest beside the tube: its delay, and the least width over closing speed."""
+    drives = [Drive.of(bounds) for bounds in task.drive_bounds]
+    limits = task.u_max or (Fraction(1),) * task.dimension
+    age = SAMPLE_AGE_SHARE * float(task.sampling_period + task.control.latency)
+    delays = np.array([float(drive.delay(u)) + age for drive, u in zip(drives, limits, strict=True)])
+    with np.errstate(divide="ignore"):
+        crossings = (loop.windows.narrow / loop.closing_speed).min(axis=0)
+    axis = int((delays / crossings).argmax())
+    return axis, float(delays[axis]), float(crossings[axis])

@@ -1,0 +1,157 @@
+"""The search for changes with which a refused task is certified: each is tried to the end, as the next run would.
+
+One option alone first, the cheapest first; where no option alone is enough, several together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from stt_codegen.effort import EffortSpent, without_limit
+from stt_codegen.errors import BadInput, Reason
+from stt_codegen.remedies.adjustments import Adjustment, adjustments_of
+from stt_codegen.remedies.changes import Change
+from stt_codegen.task import Task
+
+REMEDY_LIMIT = 4  # that a refusal names
+HALVINGS = 4  # to find how little of a change is enough
+Test = Callable[[Task], bool]
+
+
+@dataclass(frozen=True)
+class Tests:
+    """Two tests of a changed task. may_be_certified: quick, and nearly always right. is_certified: as the next run would."""
+
+    may_be_certified: Test
+    is_certified: Test
+
+    def admits(self, task: Task, change: Change) -> bool:
+        """Return whether the quick test admits a change."""
+        return _holds_with(self.may_be_certified, task, change)
+
+    def verifies(self, task: Task, change: Change) -> bool:
+        """Return whether the task is certified with a change."""
+        return _holds_with(self.is_certified, task, change)
+
+
+@dataclass
+class Remedies:
+    """Changes with which the task was certified, and the keys that were tried without success.
+
+    is_complete: whether every option was tried; False where the time was over or the user stopped the search.
+    """
+
+    changes: list[Change] = field(default_factory=list)
+    without_success: list[str] = field(default_factory=list)
+    is_complete: bool = False
+
+    def sentence(self, hint: str) -> str:
+        """Return the end of a refusal. hint: what may help, for the case that nothing that was tried does."""
+        stopped = "" if self.is_complete else "the time was over before every option was tried (--effort SECONDS)"
+        if self.changes:
+            first, *more = (change.text for change in self.changes)
+            return "; ".join(filter(None, (", or ".join((f"certified with {first}", *more)), stopped)))
+        keys = list(dict.fromkeys(self.without_success))
+        tried = f"no change of {' or '.join(keys)} was enough" if keys else ""
+        return "; ".join(filter(None, (tried, stopped, hint)))
+
+
+def find_remedies(task: Task, reason: Reason, tests: Tests) -> Remedies:
+    """Return changes with which the task is certified, each verified as the reader will run it.
+
+    The time that is left is `require_effort`'s, which the tests call somewhere; Ctrl-C ends the search as well.
+    """
+    remedies = Remedies()
+    with suppress(EffortSpent, KeyboardInterrupt):
+        adjustments = list(adjustments_of(task, reason))
+        for adjustment in adjustments:
+            change = smallest_change(task, adjustment, tests)
+            if change is None:
+                remedies.without_success += adjustment.keys
+            elif change.text not in [known.text for known in remedies.changes]:
+                remedies.changes.append(change)
+            if len(remedies.changes) == REMEDY_LIMIT:
+                break
+        if not remedies.changes:
+            remedies.changes += _joint_changes(task, [a for a in adjustments if not a.is_choice], tests)
+        remedies.is_complete = True
+    return remedies
+
+
+def smallest_change(task: Task, adjustment: Adjustment, tests: Tests) -> Change | None:
+    """Return the mildest change of one option with which the task is certified, near the smallest one; None where none is.
+
+    Where the time is over, the mildest one that is known by then.
+    """
+    admitted: list[Change] = []
+    try:
+        for change in _admitted_changes(task, adjustment, tests):
+            admitted.append(change)
+    except EffortSpent:
+        if not admitted:
+            raise
+    with without_limit():
+        return next((change for change in admitted[::-1] if tests.verifies(task, change)), None)
+
+
+def _admitted_changes(task: Task, adjustment: Adjustment, tests: Tests) -> Iterator[Change]:
+    """Yield milder and milder changes that the quick test admits.
+
+    The strongest step is tried first, for where it fails most milder ones do; then the mildest. Between what fails and what is
+    admitted the steps, and then the numbers, are halved.
+    """
+    factors = adjustment.factors
+    ends = sorted({len(factors) - 1, 0}, reverse=True)
+    high = next((k for k in ends if tests.admits(task, adjustment.change(factors[k]))), None)
+    if high is None:
+        return
+    yield adjustment.change(factors[high])
+    low = -1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if tests.admits(task, adjustment.change(factors[middle])):
+            high = middle
+            yield adjustment.change(factors[middle])
+        else:
+            low = middle
+    too_little, enough = adjustment.unchanged if low < 0 else factors[low], factors[high]
+    for _ in range(0 if adjustment.is_choice else HALVINGS):
+        between = (too_little + enough) / 2
+        change = adjustment.change(between)
+        if change in (adjustment.change(too_little), adjustment.change(enough)):  # as they are printed
+            return
+        if tests.admits(task, change):
+            enough = between
+            yield change
+        else:
+            too_little = between
+
+
+def _joint_changes(task: Task, adjustments: Sequence[Adjustment], tests: Tests) -> Iterator[Change]:
+    """Yield one change of several options: all by the same step, then without those that are not needed, the dearest first."""
+    distinct = [a for k, a in enumerate(adjustments) if a.keys not in [b.keys for b in adjustments[:k]]]
+    for step in range(max((len(a.factors) for a in distinct), default=0)):
+        parts = [a.change(a.factors[min(step, len(a.factors) - 1)]) for a in distinct]
+        if len(parts) < 2 or not tests.verifies(task, _joined(parts)):
+            continue
+        for part in parts[::-1]:
+            fewer = [p for p in parts if p is not part]
+            if fewer and tests.verifies(task, _joined(fewer)):
+                parts = fewer
+        yield _joined(parts)
+        return
+
+
+def _joined(parts: Sequence[Change]) -> Change:
+    joined, *rest = parts
+    for part in rest:
+        joined = joined.and_also(part)
+    return joined
+
+
+def _holds_with(test: Test, task: Task, change: Change) -> bool:
+    with suppress(BadInput):
+        return test(change.of(task))
+    return False
