@@ -130,7 +130,7 @@ class Robot:
             else inertial_start_bound(task, self.design, None, FRACTIONS).tolist()
         )
         laws = [replace(law, rho_at_start=ratio) for law, ratio in zip(self.loop.laws, ratios, strict=True)]
-        return replace(self, loop=self.loop.with_laws(laws))
+        return replace(self, loop=replace(self.loop, laws=tuple(laws)))
 
     def parts(self) -> list[tuple[PathLoop, list[Fraction], list[Fraction]]]:
         """Return the loops that have choices of their own, with balancing gains and needed inputs: all or one component."""
@@ -169,7 +169,7 @@ class Search:
             for law, k, u in zip(self.loop.laws, self.balancing, self.needed, strict=True)
         ]
         drive = Drive((lag / self.lag_count,) * self.lag_count)
-        return self.loop.with_laws(laws).with_drives([drive] * self.loop.n)
+        return replace(self.loop, laws=tuple(laws)).with_drives([drive] * self.loop.n)
 
     def is_proved(self, choice: tuple[int, int], lag: Fraction) -> bool:
         return prove_path(self.loop_for(choice, lag)) is not None
@@ -265,7 +265,8 @@ def period_row(name: str) -> list[str]:
     """Return the second table's row of a robot: the longest periods by the sharp conditions and by the path, in milliseconds."""
     robot, (by_conditions, by_path) = robot_of(name, DISTURBANCES.get(name)), STUDY_PERIODS[name]
     limits, study = [PERIOD_INPUT_MULTIPLE * u for u in robot.needed], f"{by_conditions} -> {by_path}"
-    loop = robot.loop.with_laws([replace(law, u_max=u) for law, u in zip(robot.loop.laws, limits, strict=True)])
+    laws = tuple(replace(law, u_max=u) for law, u in zip(robot.loop.laws, limits, strict=True))
+    loop = replace(robot.loop, laws=laws)
     disturbance = [bounds.force for bounds in robot.task.plant_bounds]
     choice = choose_path_gain(loop.with_period(PERIOD_OF_GAIN), disturbance, RESTING_ERROR, RESERVE)
     if choice is None:

@@ -85,7 +85,7 @@ def design(task: Task | str | Path, *, effort: float = DEFAULT_SECONDS) -> Desig
     Parameters
     ----------
     effort
-        Seconds, within which another way is looked for where the task has no tube as it is, or none that is certified.
+        Seconds, within which another way is looked for where the task has no certified tube as it is stated.
 
     Raises
     ------

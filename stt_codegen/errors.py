@@ -1,9 +1,11 @@
 """The exceptions of the package. Every stage raises them; `cli.main` alone turns them into exit codes."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import KW_ONLY, dataclass
 from fractions import Fraction
-from typing import NamedTuple
 
 
 class SttError(Exception):
@@ -18,7 +20,8 @@ class BadInput(SttError):
     exit_code = 2
 
 
-class Reason(NamedTuple):
+@dataclass(frozen=True)
+class Reason:
     """Why a task is refused.
 
     problem: what is wrong, where, and the value found beside the value allowed. hint: what may help, where no remedy was tried.
@@ -29,6 +32,7 @@ class Reason(NamedTuple):
 
     problem: str
     hint: str = ""
+    _: KW_ONLY
     codes: tuple[str, ...] = ()
     axis: int | None = None
     has_remedy: bool = True
@@ -58,7 +62,14 @@ class NotCertified(SttError):
         return self._reason
 
     def __str__(self) -> str:
-        return "; ".join(part for part in self.reason[:2] if part)
+        return "; ".join(part for part in (self.reason.problem, self.reason.hint) if part)
+
+    def __repr__(self) -> str:
+        return f"NotCertified({str(self)!r})"
+
+    def __reduce__(self) -> tuple[type[NotCertified], tuple[Reason]]:
+        """Go to another process as the reason, for a function cannot."""
+        return NotCertified, (self.reason,)
 
 
 class MissingTool(SttError):

@@ -21,15 +21,17 @@ were tried to the end (remedies/). Other rooms use the result:
     loop/, board/               the emitted C with a plant in closed loop, and on emulated boards; benchmarks/ measures both
 
 Imports run one way: pyproject.toml has the order of all rooms, tests/test_layers.py checks it.
+Long because the stages, and what follows where one of them fails, are read together.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 from stt_codegen.certify import Certificate
 from stt_codegen.decimals import decimal
@@ -58,6 +60,7 @@ def build(
     scalar: str | None = None,
     uncertified: bool = False,
     language: str | None = None,
+    *,
     effort: Effort | None = None,
 ) -> EmittedController:
     """Make the controller of a task file; nothing is written.
@@ -187,7 +190,7 @@ def _with_remedies(task: Task, reason: Reason) -> Reason:
 
     if not reason.has_remedy:
         return reason
-    return reason._replace(hint=find_remedies(task, reason, Tests(_quick_test(), _is_certified)).sentence(reason.hint))
+    return replace(reason, hint=find_remedies(task, reason, Tests(_quick_test(), _is_certified)).sentence(reason.hint))
 
 
 def _quick_test() -> Callable[[Task], bool]:
@@ -308,7 +311,8 @@ class Stages:
     build_program: Callable[[Task, Design], Program]
     certify: Callable[[Task, Design, Program], Certificate]
     choose_control: Callable[[Task, Design], Task] | None = None
-    alternatives: Callable[[Task, Design | None], Iterator[Design]] | None = None
+    _: KW_ONLY
+    alternatives: Callable[[Task, Any], Iterator[Design]] | None = None
     may_hold: Callable[[Task, Design], bool] | None = None
 
 
@@ -318,10 +322,9 @@ def _design_refined(task: Task) -> Design:
     return with_enough_allowance(task, refine(task))
 
 
-def _refined_alternatives(task: Task, first: Design | None) -> Iterator[RefinedDesign]:
+def _refined_alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDesign]:
     from stt_codegen.design import alternatives
 
-    assert first is None or isinstance(first, RefinedDesign)
     return (with_enough_allowance(task, design) for design in alternatives(task, first))
 
 
@@ -428,8 +431,8 @@ STAGES: Mapping[DesignKind, Stages] = {
         for_any_design(RefinedDesign, _refined_program),
         for_any_design(RefinedDesign, _certify_refined),
         for_any_design(RefinedDesign, _choose_refined_control),
-        _refined_alternatives,
-        for_any_design(RefinedDesign, _may_hold_refined),
+        alternatives=_refined_alternatives,
+        may_hold=for_any_design(RefinedDesign, _may_hold_refined),
     ),
     "adaptive": Stages(_design_adaptive, *_OF_ADAPTIVE),
     "literal": Stages(_design_literal, *_OF_ADAPTIVE),

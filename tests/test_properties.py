@@ -111,7 +111,9 @@ def test_a_refusal_has_word_code_and_advice(subject: Property) -> None:
     message = certificate(failing(subject)).refusal()
     if subject is Property.ARITHMETIC:  # it is named only if no other property fails
         message = certificate(failing(subject, 0, 1)).refusal()
-    assert message == f"{subject.label}: fails by 1{' s' if subject.unit == SECONDS else ''}; {subject.advice}"
+    missing = f"1{' s' if subject.unit == SECONDS else ''} is missing"
+    statement = certificate(failing(subject)).findings[0].statement
+    assert message == f"{subject.label}: it must be shown that {statement}; {missing}; {subject.advice}"
     assert certificate(failing(subject, 0, 1, advice="do that")).refusal().endswith("; do that")
 
 

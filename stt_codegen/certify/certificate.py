@@ -203,7 +203,7 @@ class Certificate:
             problem = f"holds at samples but cannot be proved between them: {problem}"
         axis = next((f.dimension - 1 for f in failures if f.dimension), None)
         codes, sufficient = tuple(dict.fromkeys(f.code for f in failures)), tuple(v for f in failures for v in f.sufficient)
-        return Reason(problem, ", or ".join(filter(None, hints)), codes, axis, sufficient=sufficient)
+        return Reason(problem, ", or ".join(filter(None, hints)), codes=codes, axis=axis, sufficient=sufficient)
 
     @property
     def failures(self) -> tuple[Finding, ...]:

@@ -152,7 +152,7 @@ def _require_wide_sets(task: Task, min_width: Fraction, allowance: Fraction) -> 
                 if width > min_width or width <= 6 * allowance:
                     hint = f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
                     hint += ', or use "float"' if task.emit.scalar == "fixed" else ""
-                raise NotCertified(Reason(problem, hint, (Property.WIDTH.code,), i))
+                raise NotCertified(Reason(problem, hint, codes=(Property.WIDTH.code,), axis=i))
 
 
 def _box(constraints: Sequence[Constraint], margin: Fraction, origin: Sequence[Fraction]) -> Array:
@@ -276,7 +276,7 @@ def starting_box(arena: Arena) -> Array:
             near = f"{4 * arena.allowance * arena.length_unit:.3g} (for rounding)"
             state = f"initial_state[{i}] = {arena.task_coordinate(i, x):.9g}"
             problem = f"{Property.START.label}: {state} is nearer than {near} to the edge of the initial set"
-            raise NotCertified(Reason(problem, "move it inside", (Property.START.code,), i, has_remedy=False))
+            raise NotCertified(Reason(problem, "move it inside", codes=(Property.START.code,), axis=i, has_remedy=False))
     return box
 
 
@@ -305,7 +305,9 @@ def _cut_away(arena: Arena, box: Array, j: int) -> Array:
         near = f"{arena.names[j]} is {distance:.6g} from the initial set {direction}, nearer than the clearance {clearance:.6g}"
         state = f"x(0) = {arena.task_coordinate(i, x):.6g} in {arena.axes[i]} leaves no room to start elsewhere"
         hint = "move the initial set or x(0) away from it"
-        raise NotCertified(Reason(f"{Property.AVOID.label} at t = 0: {near}, and {state}", hint, (Property.AVOID.code,), i))
+        raise NotCertified(
+            Reason(f"{Property.AVOID.label} at t = 0: {near}, and {state}", hint, codes=(Property.AVOID.code,), axis=i)
+        )
     return box
 
 

@@ -79,8 +79,8 @@ def _choose_rate(task: Task, design: RefinedDesign, i: int) -> Fraction:
             Reason(
                 f"{Property.WIDTH.label}: {problem}, for the tube narrows too quickly there",
                 "raise prescribed_time, or make the initial set narrower",
-                (Property.WIDTH.code, Property.LIMITS.code),
-                i,
+                codes=(Property.WIDTH.code, Property.LIMITS.code),
+                axis=i,
             )
         )
     available = float(control_authority(task)[i]) if task.requires_input_limits else np.inf
@@ -102,7 +102,7 @@ def _limit_reason(task: Task, i: int, required: float) -> Reason:
     demand = f"in {axis} the tube asks for accelerations of {above(Fraction(required), 3):g}"
     left = f"f, w and coupling leave {below(authority, 3):g} of u_max = {decimal(task.u_max[i])}"
     hint = "raise control.u_max or prescribed_time, or state a milder plant"
-    return Reason(f"{Property.LIMITS.label}: {demand}; {left}", hint, (Property.LIMITS.code,), i)
+    return Reason(f"{Property.LIMITS.label}: {demand}; {left}", hint, codes=(Property.LIMITS.code,), axis=i)
 
 
 def _round_to_few_bits(value: float) -> Fraction:

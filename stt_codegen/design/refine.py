@@ -32,26 +32,18 @@ from stt_codegen.design.spline_tubes import (
     SEGMENT_TRIALS,
     SplineTube,
     TubeSearch,
+    crossing_time,
+    longest_period,
     segment_counts_of,
     smoothest_tube,
+    strength_of,
 )
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.sampling import (
-    LIMIT_FACTORS,
-    Gains,
-    SampledLoop,
-    balancing_gain,
-    condition_kinds_of,
-    limits_for,
-    loop_of,
-    needed_input,
-)
-from stt_codegen.task import Task, with_assumed_plant
+from stt_codegen.task import Task
 
 SPEED_CAPS = (2, 1, 4, 16)  # times the speed needed without bounds by component: the limits that are tried, in this order
 ADVICE_LABEL_LIMIT = 3_000  # labels of a search for an order of visits, for advice: it is made some dozens of times
-PROMISING_RATIO = 0.97  # times the crossing time of a tube that is not certified: a tube that is quicker to cross is not tried
 FILTERED_TUBES = 2  # for which other filter rates are tried, where no tube is certified with its own
 SLOWEST_TOLERANCE = 1.01  # a tube so many times as fast as the slowest counts as slow as it, and the widest of these is taken
 
@@ -78,11 +70,11 @@ def alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDes
     result = _search_or_refuse(task)
     search = without_solver_cache(result.search)
     allowance = Fraction(search.arena.allowance) * Fraction(search.arena.length_unit)
-    strength_of_first = None if first is None else _strength(task, first, allowance)
+    strength_of_first = None if first is None else strength_of(task, first, allowance)
 
     def promising(designs: Iterable[RefinedDesign]) -> list[RefinedDesign]:
         """Return those that may be better than the first, the strongest first."""
-        pairs = [(_strength(task, design, allowance), design) for design in designs if design != first]
+        pairs = [(strength_of(task, design, allowance), design) for design in designs if design != first]
         promising_pairs = [pair for pair in pairs if strength_of_first is None or pair[0].is_promising_beside(strength_of_first)]
         return [design for _, design in sorted(promising_pairs, key=lambda pair: pair[0].crossing_time, reverse=True)]
 
@@ -96,28 +88,8 @@ def alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDes
             designs.append(design)
             yield from promising([design])
     if task.order == 2 and task.filter is None:
-        best = sorted(designs, key=lambda design: _strength(task, design, allowance).crossing_time, reverse=True)
+        best = sorted(designs, key=lambda design: strength_of(task, design, allowance).crossing_time, reverse=True)
         yield from promising(itertools.chain.from_iterable(with_other_filters(task, design) for design in best[:FILTERED_TUBES]))
-
-
-class _Strength(NamedTuple):
-    """How well a tube bears late inputs: the time in which x crosses it, seconds, and whether u outweighs all that acts."""
-
-    crossing_time: float
-    has_authority: bool
-
-    def is_promising_beside(self, failing: _Strength) -> bool:
-        """Return whether a tube may be certified although another one of the task is not."""
-        is_slower = self.crossing_time > PROMISING_RATIO * failing.crossing_time
-        return self.has_authority and (is_slower or not failing.has_authority)
-
-
-def _strength(task: Task, design: RefinedDesign, allowance: Fraction) -> _Strength:
-    """Return how well a tube bears late inputs. allowance: as in `_longest_period`."""
-    _, loop = _loop_with_choices(task, design, allowance)
-    with np.errstate(all="ignore"):
-        crossing_time = float((loop.windows.narrow / loop.closing_speed).min())
-        return _Strength(crossing_time, bool((needed_input(loop) < loop.law.u_max).all()))
 
 
 def _other_plans_and_segments(search: TubeSearch) -> Iterator[SplineTube]:
@@ -253,7 +225,7 @@ def _choose_preferred(task: Task, search: TubeSearch, tubes: list[SplineTube]) -
     preference = _preference(task)
     if preference == "period":
         allowance = Fraction(search.arena.allowance) * Fraction(search.arena.length_unit)
-        measure = _crossing_time if task.has_drive else _longest_period
+        measure = crossing_time if task.has_drive else longest_period
         return max(tubes, key=lambda tube: measure(task, _round_and_filter(task, search, tube), allowance))
     if preference == "wide":
         return max(tubes, key=lambda tube: (tube.width.min(), -tube.speed))
@@ -263,38 +235,6 @@ def _choose_preferred(task: Task, search: TubeSearch, tubes: list[SplineTube]) -
 
 def _round_and_filter(task: Task, search: TubeSearch, tube: SplineTube) -> RefinedDesign:
     return with_filter(task, round_design(task, smoothest_tube(search.arena, search.start, tube)))
-
-
-def _crossing_time(task: Task, design: RefinedDesign, allowance: Fraction) -> float:
-    """Return the least width over closing speed of any window and component, in seconds, without the others' inputs; a
-    proved lag is a part of it.
-    """
-    return _strength(task, design, allowance).crossing_time
-
-
-def _loop_with_choices(task: Task, design: RefinedDesign, allowance: Fraction) -> tuple[Task, SampledLoop]:
-    """Return the task with the plant and the limit that it leaves open, and its loop with this tube."""
-    edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
-    task = with_assumed_plant(task, design.edge_speed_bounds())
-    if task.has_automatic_limit:
-        unlimited = loop_of(task.with_choices(u_max=(Fraction(1),) * task.dimension), design, edge, rate)
-        task = task.with_choices(u_max=limits_for(unlimited, LIMIT_FACTORS[0]))
-    return task, loop_of(task, design, edge, rate)
-
-
-def _longest_period(task: Task, design: RefinedDesign, allowance: Fraction) -> float:
-    """Return the longest sampling period, in seconds, that is proved for the plant bounds and the start share.
-
-    It is at the task's gain, or over all gains where that is left open; 0 where there is none. allowance: for the arithmetic,
-    whose error is not derived yet.
-    """
-    task, loop = _loop_with_choices(task, design, allowance)
-    kinds = condition_kinds_of(task)
-    if task.control.gain is None or task.has_automatic_gain:
-        best = Gains(loop, balancing_gain(loop), kinds=kinds).with_longest_period
-        return 0.0 if best is None else best.period.seconds
-    period = Gains(loop, loop.law.gain, kinds=kinds).longest_period_at(loop.law.gain)
-    return 0.0 if period is None else period.seconds
 
 
 def round_design(task: Task, tube: SplineTube) -> RefinedDesign:

@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from stt_codegen.decimals import above, below
-from stt_codegen.design_kinds import DesignKind
 from stt_codegen.errors import Reason
-from stt_codegen.properties import Property
+from stt_codegen.properties import OF_THE_EDGES, Property
 from stt_codegen.remedies.changes import Change, Edit, Value
 from stt_codegen.task import Task
 
@@ -21,17 +20,19 @@ Numbers = Fraction | tuple[Fraction, ...]  # of an option: one, or one by compon
 Factors = tuple[Fraction, ...]
 DIGITS = 3  # of a number in a change
 RAISING = tuple(Fraction(v) for v in ("1.1", "1.5", "2.5", "6"))  # times the value
-RAISING_FAR = (*RAISING, Fraction(30))  # of a limit on the tube, which may be as large as one likes
+RAISING_FAR = (*RAISING, *(Fraction(v) for v in ("30", "300", "1e4", "1e6", "1e8")))  # of a limit on the tube
 LOWERING = tuple(Fraction(v) for v in ("0.85", "0.5", "0.2", "0.05"))
 REMOVING = (*LOWERING, Fraction(0))
 RETREATS = tuple(Fraction(v) for v in ("0.999", "0.98", "0.9", "0.7"))  # times a value at which a property would just hold
 SHARES = tuple(Fraction(v) for v in ("0.8", "0.6", "0.4", "0.2"))  # of the start box
 
-EDGES = frozenset({"P1", "P3", "P4", "P5", "P10"})
-SPEED, LIMITS, PERIOD, MISSION = (p.code for p in (Property.SMOOTH, Property.LIMITS, Property.PERIOD, Property.MISSION))
+EDGES = frozenset(p.code for p in OF_THE_EDGES if p is not Property.START)
+WIDTH, START, SPEED, LIMITS, PERIOD, ARITHMETIC = (
+    p.code for p in (Property.WIDTH, Property.START, Property.SMOOTH, Property.LIMITS, Property.PERIOD, Property.ARITHMETIC)
+)
 MOTION = frozenset({SPEED, LIMITS, PERIOD})
 INPUT = frozenset({LIMITS, PERIOD})
-EVERY = frozenset(p.code for p in Property)
+ALL_CODES = frozenset(p.code for p in Property)
 
 
 @dataclass(frozen=True)
@@ -114,20 +115,21 @@ def _settings(task: Task) -> Iterator[Adjustment]:
     if task.control.period is not None and "gain" in fields and task.control.gain != "auto":
         yield _choice(frozenset({PERIOD}), "control.gain", "auto")
     if "prefer" in stated.tube.model_fields_set:
-        yield _choice(EVERY, "tube.prefer", None)
+        yield _choice(ALL_CODES, "tube.prefer", None)
     if stated.tube.filter not in (None, "auto"):
-        yield _choice(EVERY, "tube.filter", "auto")
+        yield _choice(ALL_CODES, "tube.filter", "auto")
     if stated.tube.segments is not None:
-        yield _choice(EVERY, "tube.segments", None)
+        yield _choice(ALL_CODES, "tube.segments", None)
     if task.emit.scalar == "float":
-        yield _choice(frozenset({"P1", "P2", "P3", "P4", "P5", "P7", "P10"}), "emit.scalar", "double")
+        yield _choice(EDGES | {START, ARITHMETIC}, "emit.scalar", "double")
     if task.control.outside != "return" and task.control.period is not None:
         yield _choice(frozenset({PERIOD}), "control.outside", "return")
-    other_kinds: tuple[DesignKind, ...] = ("refined",)
-    yield from (_choice(EVERY, "tube.design", kind) for kind in other_kinds if task.tube.design != kind)
+    if "design" in stated.tube.model_fields_set:
+        yield _choice(ALL_CODES, "tube.design", None)
 
 
 def _sampling(task: Task) -> Iterator[Adjustment]:
+    """Yield quicker sampling, a shorter input delay, and a smaller start share."""
     control, codes = task.as_stated.control, frozenset({PERIOD})
     if control.period is not None:
         yield _scaled(codes, "control.period", control.period, LOWERING)
@@ -141,11 +143,11 @@ def _sampling(task: Task) -> Iterator[Adjustment]:
 
 
 def _times(task: Task) -> Iterator[Adjustment]:
-    """Yield more time: for the task, for entries of its mission, and less doubt about the clocks of sets."""
+    """Yield more time: for the task, for entries of its mission, and less timing uncertainty of sets."""
     stated = task.as_stated
-    timed = EDGES if task.mission or any(s.motion or s.during for s in stated.unsafe) else frozenset({"P1"})
+    timed = EDGES if task.mission or any(s.motion or s.during for s in stated.unsafe) else frozenset({WIDTH})
     yield from _mission_times(task)
-    yield _scaled(MOTION | timed | {"P7"}, "prescribed_time", task.prescribed_time, RAISING)
+    yield _scaled(MOTION | timed | {ARITHMETIC}, "prescribed_time", task.prescribed_time, RAISING)
     if stated.start_delay:
         yield _scaled(EDGES, "start_delay", stated.start_delay, REMOVING)
     for key in ("timing", "spread"):
@@ -198,11 +200,11 @@ def _tube(task: Task) -> Iterator[Adjustment]:
     for key, value in (("tube.max_speed", tube.max_speed), ("tube.max_acceleration", tube.max_acceleration)):
         if value is not None:
             yield _scaled(MOTION, key, value, RAISING_FAR)
-    room = EDGES | MOTION
+    edges_and_motion = EDGES | MOTION
     if tube.clearance:
-        yield _scaled(room | {"P2"}, "tube.clearance", tube.clearance, REMOVING)
+        yield _scaled(edges_and_motion | {START}, "tube.clearance", tube.clearance, REMOVING)
     if tube.min_width:
-        yield _scaled(room | {"P2"}, "tube.min_width", tube.min_width, REMOVING)
+        yield _scaled(edges_and_motion | {START}, "tube.min_width", tube.min_width, REMOVING)
 
 
 def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
@@ -229,7 +231,7 @@ def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
     if task.order == 2 and any(task.start_speed):
         speed = task.as_stated.initial_set.speed
         if speed is not None:
-            yield _scaled(frozenset({"P2"}), "initial_set.speed", speed, REMOVING)
+            yield _scaled(frozenset({START}), "initial_set.speed", speed, REMOVING)
 
 
 def _entries(task: Task) -> Iterator[Adjustment]:

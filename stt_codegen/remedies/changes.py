@@ -32,11 +32,11 @@ class Change:
 
     @property
     def text(self) -> str:
-        """The edits as a task file has them."""
-        set_keys = " with ".join(f"{key} = {written(value)}" for key, value in self.edits if value is not None)
+        """The edits as a task file has them: "with control.period = 0.02 and without tube.prefer"."""
+        stated = " and ".join(f"{key} = {written(value)}" for key, value in self.edits if value is not None)
         left_out = " and ".join(key for key, value in self.edits if value is None)
-        parts = [part for part in (set_keys, left_out and f"no {left_out}") if part]
-        return " with ".join(parts) + (f" ({self.remark})" if self.remark else "")
+        parts = [f"{word} {keys}" for word, keys in (("with", stated), ("without", left_out)) if keys]
+        return " and ".join(parts) + (f" ({self.remark})" if self.remark else "")
 
     def and_also(self, change: Change) -> Change:
         """Return both changes as one."""

@@ -52,7 +52,7 @@ class Remedies:
         stopped = "" if self.is_complete else "the time was over before every option was tried (--effort SECONDS)"
         if self.changes:
             first, *more = (change.text for change in self.changes)
-            return "; ".join(filter(None, (", or ".join((f"certified with {first}", *more)), stopped)))
+            return "; ".join(filter(None, (", or ".join((f"certified {first}", *more)), stopped)))
         keys = list(dict.fromkeys(self.without_success))
         tried = f"no change of {' or '.join(keys)} was enough" if keys else ""
         return "; ".join(filter(None, (tried, stopped, hint)))

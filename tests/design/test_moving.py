@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
 from fractions import Fraction
 from pathlib import Path
 from random import Random
@@ -32,6 +31,7 @@ from stt_codegen.task.load import parse_task
 from stt_codegen.task.sets.motion import Course
 from stt_codegen.task.task import Task
 from tests.support.controllers import build_once
+from tests.support.remedies import follow_remedies
 from tests.task.test_shapes import checker_exit_code
 
 HEAD = """name = "hall"
@@ -423,20 +423,11 @@ def test_a_refusal_names_the_set_that_closes_the_route_its_times_and_a_remedy() 
         refine(parse_task(PLAIN + WALL.format(active_interval="0, 8.9")))
     assert build_once(parse_task(PLAIN + WALL.format(active_interval="0, 4"))).certificate.holds
     late = HEAD.format(head="start_delay = 8", body="") + WALL.format(active_interval="8, 9")
-    with pytest.raises(NotCertified, match=r"a way opens at, for example, start_delay = ") as refusal:
-        refine(parse_task(late))
-    delay, longer = (
-        re.findall(rf"{name} = ([\d.]+)", str(refusal.value))[0].rstrip(".") for name in ("start_delay", "prescribed_time")
-    )
-    assert build_once(parse_task(late.replace("start_delay = 8", f"start_delay = {delay}"))).certificate.holds
-    assert build_once(parse_task(late.replace("prescribed_time = 9", f"prescribed_time = {longer}"))).certificate.holds
+    remedies = follow_remedies(parse_task(late))
+    assert {key for remedy in remedies for key in remedy} >= {"start_delay", "prescribed_time"}
     gap = '[[unsafe]]\nname = "{}"\nlower = [2, {}]\nupper = [3, {}]\nduring = [0, 9]\n'
-    with pytest.raises(NotCertified, match="tube.clearance = ") as refusal:
-        refine(parse_task(PLAIN + gap.format("low", -0.2, 2) + gap.format("high", 2.1, 5.2)))
-    value = str(refusal.value).split("tube.clearance = ")[1].split(",")[0].split(" ")[0]
-    assert build_once(
-        parse_task(PLAIN + gap.format("low", -0.2, 2) + gap.format("high", 2.1, 5.2) + f"[tube]\nclearance = {value}\n")
-    ).certificate.holds
+    gapped = parse_task(PLAIN + gap.format("low", -0.2, 2) + gap.format("high", 2.1, 5.2))
+    assert ["tube.clearance"] in [list(remedy) for remedy in follow_remedies(gapped)]
 
 
 @pytest.mark.parametrize(

@@ -177,7 +177,7 @@ def gated_task(n: int, end: str) -> Task:
 def test_the_set_that_closes_the_route_is_named_in_any_dimension(n: int) -> None:
     with pytest.raises(
         NotCertified,
-        match=r"gate \(a way would open if it were safe from [\d.]+ s to [\d.]+ s\) closes it; a way opens at, for example, prescribed_time",
+        match=r"gate \(a way would open if it were safe from [\d.]+ s to [\d.]+ s\) closes it; certified with prescribed_time",
     ):
         build_once(gated_task(n, "8.9999"))
 

@@ -454,7 +454,7 @@ def test_missions_with_windows_without_end_or_longer_than_a_cycle_get_a_tube(ent
 
 def test_a_round_that_has_too_little_time_is_refused_with_a_larger_max_speed() -> None:
     """This is so although the search tries rounds by the hundred."""
-    with pytest.raises(NotCertified, match=r"tube.max_speed 0.5.*raise tube.max_speed to 0\.\d+"):
+    with pytest.raises(NotCertified, match=r"tube.max_speed = 0.5.*certified with .*tube.max_speed = 0\.\d+"):
         build_once(parse_task(WATCHMAN.replace("[emit]", "[tube]\nmax_speed = 0.5\n[emit]")))
 
 

@@ -219,7 +219,7 @@ def test_the_end_box_of_a_route_lies_in_the_target_and_is_the_largest_of_its_pro
 
 
 def test_a_target_too_narrow_for_a_tube_is_refused() -> None:
-    with pytest.raises(NotCertified, match="a way opens at tube.min_width = 0.02"):
+    with pytest.raises(NotCertified, match="certified with tube.min_width = 0.02"):
         build_once(parse_task(TEXTS["room"].replace("offsets = [-8.8, 9.5]", "offsets = [-8.8, 8.85]")))
 
 

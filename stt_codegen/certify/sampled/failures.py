@@ -15,7 +15,7 @@ from stt_codegen.task import Task
 SAMPLE_AGE_SHARE = 0.6  # of the age of a sample, that counts like a delay of the drive
 
 
-class LongestPeriod(NamedTuple):
+class LongestProof(NamedTuple):
     """The longest proved period in seconds.
 
     bottleneck: from when to when, and on which axis (from 1; 0 for all), it fails first.
@@ -32,7 +32,7 @@ class PeriodFailure(NamedTuple):
     axis: int | None
 
 
-def explain_period(task: Task, loop: SampledLoop, longest: LongestPeriod | None) -> PeriodFailure:
+def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) -> PeriodFailure:
     """Return why the task's period is not proved. loop: in doubles; longest: at the task's gain, None where none is proved."""
     weak = _axis_without_authority(task, loop)
     if weak is not None:

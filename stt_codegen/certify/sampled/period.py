@@ -16,10 +16,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, PeriodProof
-from stt_codegen.certify.sampled.failures import LongestPeriod, explain_period
+from stt_codegen.certify.sampled.failures import LongestProof, explain_period
 from stt_codegen.certify.sampled.late_inputs import DIFFERENCES_ADVICE, drive_words, prove_late_period
 from stt_codegen.certify.sampled.lost_turns import LostTurn, lost_turn
 from stt_codegen.decimals import above, below, by_component, decimal
@@ -38,7 +37,6 @@ from stt_codegen.sampling import (
 from stt_codegen.sampling.path import longest_path_period
 from stt_codegen.task import Task
 
-Array = npt.NDArray[np.float64]
 # Shares by which the rho of an E from the search in doubles is raised, until the fractions agree.
 RAISES = (Fraction(0), Fraction(1, 10**6), Fraction(1, 10**4), Fraction(1, 10**3))
 
@@ -83,7 +81,7 @@ class PeriodEvidence(NamedTuple):
 
     proof: PeriodProof | None
     margin: Fraction
-    longest: LongestPeriod | None = None
+    longest: LongestProof | None = None
 
 
 def _evidence(task: Task, design: RefinedDesign, exact: SampledLoop, loop: SampledLoop) -> PeriodEvidence:
@@ -99,7 +97,7 @@ def _evidence(task: Task, design: RefinedDesign, exact: SampledLoop, loop: Sampl
         return PeriodEvidence(proof, margin)
     if sharp is not None and (sharp.margin >= margin or task.uses_differences):
         return sharp
-    longest = None if longest_period is None else LongestPeriod(longest_period)
+    longest = None if longest_period is None else LongestProof(longest_period)
     return PeriodEvidence(None, min(margin, -period / 1000), longest)
 
 
@@ -110,7 +108,7 @@ def _sharp_evidence(task: Task, exact: SampledLoop, loop: SampledLoop) -> Period
     proof = prove_period(task, exact, loop, longest_period)
     if proof is None:
         # Where balls alone prove the period, which is no proof here, a small negative margin is stated.
-        longest = None if longest_period is None else LongestPeriod(Fraction(longest_period.seconds), longest_period.bottleneck)
+        longest = None if longest_period is None else LongestProof(Fraction(longest_period.seconds), longest_period.bottleneck)
         return PeriodEvidence(None, min(margin, -task.sampling_period / 1000), longest)
     return PeriodEvidence(proof, margin)
 

@@ -98,7 +98,7 @@ def _build_all(
     controllers = []
     for task in tasks:
         with patience(f"designing {task}"):
-            controllers.append((task, build(task, design, scalar, uncertified, language, effort_for(task, effort))))
+            controllers.append((task, build(task, design, scalar, uncertified, language, effort=effort_for(task, effort))))
     return controllers
 
 

@@ -157,7 +157,7 @@ def require_start(mission: Mission, start: Array) -> None:
             else:
                 problem, requirement = f"is not in {state}", "be there"
             problem = f"{Property.MISSION.label} at t = 0: the initial set {problem}, and from the start on it must {requirement}"
-            raise NotCertified(Reason(problem, "move or shrink one of them", (Property.MISSION.code,)))
+            raise NotCertified(Reason(problem, "move or shrink one of them", codes=(Property.MISSION.code,)))
 
 
 def _is_avoidance(state: StateFormula) -> bool:

@@ -31,7 +31,7 @@ def explain_closed_routes(arena: Arena, segments: int) -> Reason:
     codes = (Property.AVOID.code,)
     if has_timed_route(arena, *_narrowest_start(arena), segments):
         problem = f"{reason}: cells have a way, but no spline tube was found along it"
-        return Reason(problem, "lower tube.min_width or tube.clearance", codes)
+        return Reason(problem, "lower tube.min_width or tube.clearance", codes=codes)
     searched = list(itertools.islice(slice_searches(arena, *_narrowest_start(arena), segments), SEARCH_LIMIT))
     obstacles = arena.timed_obstacles[:OBSTACLE_LIMIT]
     closing = [text for obstacle in obstacles if (text := _describe_closing(arena, obstacle, searched))]
@@ -39,7 +39,7 @@ def explain_closed_routes(arena: Arena, segments: int) -> Reason:
         cause = f"{' and '.join(closing)} close{'s' if len(closing) == 1 else ''} it"
     else:
         cause = _describe_last_free_time(arena, searched)
-    return Reason(f"{reason}: {cause}", "move a set, or let it be safe earlier or longer", codes)
+    return Reason(f"{reason}: {cause}", "move a set, or let it be safe earlier or longer", codes=codes)
 
 
 def _narrowest_start(arena: Arena) -> tuple[Array, Array]:

@@ -41,7 +41,7 @@ def explain_refusal(task: Task, arena: Arena, has_tube: HasTube) -> Reason:
     segment_counts = segment_counts_of(task, arena)
     count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {segment_counts[-1]} segments"
     problem = f"{Property.AVOID.label}: no spline tube of {count} was found along the shortest route"
-    return Reason(problem, Property.AVOID.advice, (Property.AVOID.code,))
+    return Reason(problem, Property.AVOID.advice, codes=(Property.AVOID.code,))
 
 
 def _without_limits(task: Task) -> Task:
@@ -59,7 +59,7 @@ def _explain_limits(task: Task, arena: Arena, limits: dict[str, LimitValue]) -> 
     subjects = {Property.SMOOTH: Property.SMOOTH.label_of(" and ".join(rates))} if rates else {}
     subjects |= {Property.LIMITS: Property.LIMITS.label} if "control.u_max" in limits else {}
     problem = f"{' and '.join(subjects.values())}: no tube was found within {bounds}{explain_conflict(task, arena)}"
-    return Reason(problem, f"try without {' and '.join(limits)}", tuple(p.code for p in subjects))
+    return Reason(problem, f"try without {' and '.join(limits)}", codes=tuple(p.code for p in subjects))
 
 
 def _written(value: LimitValue) -> str:

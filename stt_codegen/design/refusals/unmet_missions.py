@@ -42,7 +42,7 @@ def explain_unmet_mission(task: Task, arena: Arena) -> Reason:
 
 
 def _reason(problem: str, hint: str) -> Reason:
-    return Reason(f"{Property.MISSION.label}: {problem}", hint, (Property.MISSION.code,))
+    return Reason(f"{Property.MISSION.label}: {problem}", hint, codes=(Property.MISSION.code,))
 
 
 def _unreachable_state(search: TubeSearch, mission: Mission) -> StateFormula | None:

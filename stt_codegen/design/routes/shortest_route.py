@@ -180,4 +180,4 @@ def _explain_blocked_route(arena: Arena, centre: Array) -> Reason:
     width = (arena.min_width - 2 * arena.allowance) * arena.length_unit
     clearance = (arena.clearance - arena.allowance) * arena.length_unit
     wanted_tube = f"for a tube of width {width:.6g} with a clearance of {clearance:.6g}"
-    return Reason(f"{problem} {wanted_tube}", Property.AVOID.advice, (Property.AVOID.code,))
+    return Reason(f"{problem} {wanted_tube}", Property.AVOID.advice, codes=(Property.AVOID.code,))

@@ -17,7 +17,7 @@ from stt_codegen.sampling.path.path_gain import (
     with_gain,
 )
 from stt_codegen.sampling.path.path_proof import PathProof, prove_path, prove_path_for
-from stt_codegen.sampling.path.path_search import largest_drive_factor, longest_path_period
+from stt_codegen.sampling.path.path_search import longest_path_period
 from stt_codegen.sampling.path.path_windows import ComponentLaw, PathLoop, WindowBounds
 from stt_codegen.sampling.path.worst_path import PathBounds, Start, WorstPath, follow_worst_path
 
@@ -36,7 +36,6 @@ __all__ = [
     "WorstPath",
     "choose_path_gain",
     "follow_worst_path",
-    "largest_drive_factor",
     "log_bounds",
     "longest_path_period",
     "prove_path",

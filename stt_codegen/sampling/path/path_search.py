@@ -20,18 +20,6 @@ def longest_path_period(loop: PathLoop, first_guess: Fraction) -> Fraction | Non
     return largest_proved(lambda period: prove_path(loop.with_period(period)) is not None, first_guess)
 
 
-def largest_drive_factor(loop: PathLoop) -> Fraction | None:
-    """Return by which factor the loop's drives may be slower at most, so that the path still proves the loop's period.
-
-    It is below 1 where the drives as they are stated are too slow; None where no drive of this kind is proved.
-    """
-
-    def is_proved(factor: Fraction) -> bool:
-        return prove_path(loop.with_drives([drive.scaled(factor) for drive in loop.drives])) is not None
-
-    return largest_proved(is_proved, Fraction(1))
-
-
 def largest_proved(is_proved: Callable[[Fraction], bool], first_guess: Fraction) -> Fraction | None:
     """Return the largest value that is proved, to 2^-12 of itself; None where none is found below the guess."""
     low, high = first_guess, first_guess

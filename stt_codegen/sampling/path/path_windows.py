@@ -154,10 +154,6 @@ class PathLoop:
         windows = tuple(replace(window, cross=(Fraction(0),)) for window in self.windows[i])
         return replace(self, windows=(windows,), laws=(self.laws[i],), drives=(self.drives[i],))
 
-    def with_laws(self, laws: Sequence[ComponentLaw]) -> PathLoop:
-        """Return the same loop with other laws, by component."""
-        return replace(self, laws=tuple(laws))
-
     @property
     def n(self) -> int:
         """The number of components."""
