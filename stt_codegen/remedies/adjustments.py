@@ -54,6 +54,11 @@ class Adjustment:
         return tuple(edit.key for edit in self.change(self.factors[-1]).edits)
 
     @property
+    def leaves_out_an_entry(self) -> bool:
+        """Whether it is a mission without one of its entries."""
+        return any(edit.value is None and edit.key.endswith("]") for edit in self.change(self.factors[-1]).edits)
+
+    @property
     def is_choice(self) -> bool:
         """Whether the adjustment has one value alone."""
         return len(self.factors) == 1

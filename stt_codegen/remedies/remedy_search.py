@@ -75,7 +75,7 @@ def find_remedies(task: Task, reason: Reason, tests: Tests) -> Remedies:
             if len(remedies.changes) == REMEDY_LIMIT:
                 break
         if not remedies.changes:
-            remedies.changes += _joint_changes(task, [a for a in adjustments if not a.is_choice], tests)
+            remedies.changes += _joint_changes(task, [a for a in adjustments if not a.leaves_out_an_entry], tests)
         remedies.is_complete = True
     return remedies
 

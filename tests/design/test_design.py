@@ -352,7 +352,7 @@ BEND = (
         ("min_width = 0.07", ["tube.clearance = 0.024", "or with tube.min_width = 0.059"]),
         ("segments = 6\nmax_speed = 1.2", ["certified with"]),
         ("max_speed = 1.2", ["speed (P6)", "with prescribed_time = ", "with tube.max_speed = "]),
-        ("min_width = 0.6", ["width (P1)", "certified with tube.min_width = 0.4"]),
+        ("min_width = 0.6", ["width (P1)", "certified with tube.min_width = 0.05"]),
     ],
 )
 def test_an_option_that_cannot_be_met_is_named_with_a_remedy(options: str, words: list[str]) -> None:
