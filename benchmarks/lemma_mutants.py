@@ -500,7 +500,12 @@ def _path_values() -> list[float]:
         worst_path_evaluated.loop_of_drive(worst_path_evaluated.DRIVES[4], Fraction(1, 50)),
         worst_path_evaluated.changing_loop(),
     )
-    values += [loop.bounds_over(0, 1, 4, (Fraction(2), Fraction(3))), loop.start(1), loop.component(1), loop.window_at(Fraction(2))]
+    values += [
+        loop.bounds_over(0, 1, 4, (Fraction(2), Fraction(3))),
+        loop.start(1),
+        loop.component(1),
+        loop.window_at(Fraction(2)),
+    ]
     values += [loop.with_period(Fraction(1, 5)), loop.input_bound(0, Fraction(90)), loop.input_bound(0, Fraction(900))]
     values += [path_proof.prove_path(v) for v in (loop, changing)]
     return _numbers_of(values)

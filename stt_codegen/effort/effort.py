@@ -36,6 +36,11 @@ class Effort:
     _begin: float = field(default_factory=time.monotonic)
     _reason: Callable[[], str] | None = None
 
+    @property
+    def elapsed(self) -> float:
+        """Seconds since the begin."""
+        return time.monotonic() - self._begin
+
     def announce_later(self, reason: Callable[[], str]) -> None:
         """Say the reason once, as soon as the search has lasted for a while."""
         self._reason = self._reason or reason
@@ -50,7 +55,7 @@ class Effort:
             _CHECK.reset(before)
 
     def _check(self, limit: float) -> None:
-        seconds = time.monotonic() - self._begin
+        seconds = self.elapsed
         if self.say is not None and self._reason is not None and seconds >= ANNOUNCEMENT_DELAY:
             say, reason, self.say = self.say, self._reason, None
             with without_limit():

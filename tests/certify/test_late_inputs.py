@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 import stt_codegen as stt
+from benchmarks.suites.remedies import follow_remedies, refusal_of
 from stt_codegen.designs import require_refined
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.properties import Property
@@ -24,7 +25,6 @@ from stt_codegen.task.task import Task
 from stt_codegen.theorem.reading import read_facts
 from tests.support.checked_files import REFUSED, VERIFIED, Files, verdict, verdict_of_proof, with_certificate, with_hashes
 from tests.support.controllers import ROOT, build_once, controller_of
-from tests.support.remedies import follow_remedies, refusal_of
 
 CART = """
 name = "cart"

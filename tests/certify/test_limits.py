@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import stt_codegen as stt
+from benchmarks.suites.remedies import follow_remedies, refusal_of
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.checker import check_files
 from stt_codegen.compare.comparison import compare
@@ -30,7 +31,6 @@ from stt_codegen.sampling.continuous import holds_saturated
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
 from tests.support.controllers import build_once, controller_of
-from tests.support.remedies import follow_remedies, refusal_of
 
 CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "pushed": ({"u_max": "1"}, {"w_max": "0.3"}),

@@ -18,6 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stt_codegen as stt
+from benchmarks.suites.remedies import follow_remedies, refusal_of
 from stt_codegen.certify.filtered_findings import distance_errors, filtered_width_slack, input_slack, start_slack
 from stt_codegen.checker import check_files
 from stt_codegen.compare.comparison import compare
@@ -39,7 +40,6 @@ from stt_codegen.sampling.order_two import inertial_start_bound
 from stt_codegen.sampling.periods import inputs_where_proved, longest_proved_period
 from stt_codegen.task.load import parse_task
 from tests.support.controllers import ROOT, build_once
-from tests.support.remedies import follow_remedies, refusal_of
 
 INERTIAL = ("arm", "drone")  # two tasks of order 2; tests/loop/test_robots.py tests all
 

@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.suites.families import FAMILIES, arena_task, cubes, is_feasible
+from benchmarks.suites.remedies import follow_remedies, refusal_of
 from stt_codegen.certify.exact import certify_refined
 from stt_codegen.design.arena import Arena, arena_of, starting_box
 from stt_codegen.design.half_spaces import Array
@@ -29,7 +30,6 @@ from stt_codegen.program.analyse.cost import cost_of
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.task import Task
 from tests.support.controllers import NAMES, ROOT, build_once, controller_of
-from tests.support.remedies import follow_remedies, refusal_of
 
 PAPER = FAMILIES["paper"]
 

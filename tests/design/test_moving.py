@@ -15,6 +15,7 @@ from benchmarks.moving import FOUR, draw_moving_sets, has_way, task_of
 from benchmarks.mutants.tubes import TIMED_SET_KINDS
 from benchmarks.mutations import judge
 from benchmarks.oracles.tubes import first_fault
+from benchmarks.suites.remedies import follow_remedies
 from stt_codegen.certify.moving_slack import UNREQUIRED_SLACK, MovingBlock, MovingBounds, cut
 from stt_codegen.constraints import avoidances
 from stt_codegen.design.refine import refine
@@ -31,7 +32,6 @@ from stt_codegen.task.load import parse_task
 from stt_codegen.task.sets.motion import Course
 from stt_codegen.task.task import Task
 from tests.support.controllers import build_once
-from tests.support.remedies import follow_remedies
 from tests.task.test_shapes import checker_exit_code
 
 HEAD = """name = "hall"

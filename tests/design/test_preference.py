@@ -13,6 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from benchmarks.suites.families import FAMILIES, arena_task
+from benchmarks.suites.remedies import follow_remedies
 from stt_codegen.checker import check_files
 from stt_codegen.cli.main import app
 from stt_codegen.design.spline_tubes.dimension_programs import PACE_TOLERANCE
@@ -25,7 +26,6 @@ from stt_codegen.sampling.windows import refined_windows
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
 from tests.support.controllers import ROOT, build_once
-from tests.support.remedies import follow_remedies
 
 refine_module = import_module("stt_codegen.design.refine")
 OMNI = load_task(ROOT / "tasks" / "omni_s2.toml")

@@ -17,6 +17,7 @@ from flint import arb
 from typer.testing import CliRunner
 
 import stt_codegen as stt
+from benchmarks.suites.remedies import follow_remedies, refusal_of
 from stt_codegen.certify.sampled.period import prove_period
 from stt_codegen.cli.main import app
 from stt_codegen.controller.edge_errors import edge_error, rate_error
@@ -33,7 +34,6 @@ from stt_codegen.sampling.sampled_loop import SampledLoop
 from stt_codegen.sampling.sampling_conditions import SAMPLING_CONDITIONS
 from stt_codegen.task.task import Task
 from tests.support.controllers import ROOT, build_once, controller_of
-from tests.support.remedies import follow_remedies, refusal_of
 
 LIMITED = {"u_max": "1.3", "gain": "0.05"}
 CASES: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {

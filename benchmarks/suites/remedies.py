@@ -41,7 +41,8 @@ def with_remedy(task: Task, remedy: Remedy) -> Task:
     """Return the task whose file has the changes of a remedy."""
     document = document_of(task.as_stated)
     for key, value in remedy.items():
-        table, names = document, [int(name) if name.isdigit() else name for name in re.findall(r"[a-z_]+|\d+", key)]
+        table: Any = document
+        names = [int(name) if name.isdigit() else name for name in re.findall(r"[a-z_]+|\d+", key)]
         for name in names[:-1]:
             table = table.setdefault(name, {}) if isinstance(name, str) else table[name]
         if value is None:
