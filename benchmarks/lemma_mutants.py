@@ -500,12 +500,8 @@ def _path_values() -> list[float]:
         worst_path_evaluated.loop_of_drive(worst_path_evaluated.DRIVES[4], Fraction(1, 50)),
         worst_path_evaluated.changing_loop(),
     )
-    values += [
-        loop.bounds_over(0, 1, 4, (Fraction(2), Fraction(3))),
-        loop.start(1),
-        loop.component(1),
-        loop.window_at(Fraction(2)),
-    ]
+    values += [loop.bounds_over(0, 1, 4, (Fraction(2), Fraction(3))), loop.start(1), loop.component(1)]
+    values += [loop.window_at(Fraction(2))]
     values += [loop.with_period(Fraction(1, 5)), loop.input_bound(0, Fraction(90)), loop.input_bound(0, Fraction(900))]
     values += [path_proof.prove_path(v) for v in (loop, changing)]
     return _numbers_of(values)
@@ -613,7 +609,8 @@ LEMMA_CODE: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], .
     (worst_path._Fall, "of at_edge at through_cell", _path_values, (worst_path_evaluated,)),
     (worst_path._Path, "__init__ follow _command _history", _path_values, (worst_path_evaluated,)),
     (path_windows.ComponentLaw, "input_bound", _path_values, (worst_path_evaluated,)),
-    (path_windows.PathLoop, "component with_period start bounds_over input_bound window_at", _path_values, (worst_path_evaluated,)),
+    (path_windows.PathLoop, "component with_period start bounds_over input_bound window_at", _path_values,
+     (worst_path_evaluated,)),
     (path_proof, "prove_path prove_path_for _search _follow _is_enough follow_from_start follow_local_paths _uncovered_paths "
      "_together", _path_values, (worst_path_evaluated,)),
     (alpha_curves, "curve_values extremes_ahead", _curve_values, (update_cells,)),
