@@ -186,11 +186,11 @@ def _certified_with(task: Task, design: Design) -> Attempt | None:
 
 def _with_remedies(task: Task, reason: Reason) -> Reason:
     """Return the reason with changes of the task that were tried to the end, in place of the hint what may help."""
-    from stt_codegen.remedies import Tests, find_remedies
+    from stt_codegen.remedies import Trials, find_remedies
 
     if not reason.has_remedy:
         return reason
-    return replace(reason, hint=find_remedies(task, reason, Tests(_quick_test(), _is_certified)).sentence(reason.hint))
+    return replace(reason, hint=find_remedies(task, reason, Trials(_quick_test(), _is_certified)).sentence(reason.hint))
 
 
 def _quick_test() -> Callable[[Task], bool]:

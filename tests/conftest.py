@@ -19,6 +19,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.xdist_group(item.path.stem))
 
 
+@pytest.fixture(autouse=True)
+def longer_effort(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Give the search for remedies more time than a user waits, so that no refusal depends on how busy the machine is."""
+    monkeypatch.setattr("stt_codegen.effort.effort.DEFAULT_SECONDS", 40.0)
+
+
 @pytest.fixture
 def tool() -> Callable[[str], str]:
     """Return a function from a tool's name to its path; without the tool the test is skipped, and fails in CI."""

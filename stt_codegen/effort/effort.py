@@ -31,7 +31,7 @@ class Effort:
     say: prints the first reason while the search goes on; None for silence.
     """
 
-    seconds: float = DEFAULT_SECONDS
+    seconds: float = field(default_factory=lambda: DEFAULT_SECONDS)
     say: Callable[[str], None] | None = None
     _begin: float = field(default_factory=time.monotonic)
     _reason: Callable[[], str] | None = None

@@ -21,7 +21,7 @@ Test = Callable[[Task], bool]
 
 
 @dataclass(frozen=True)
-class Tests:
+class Trials:
     """Two tests of a changed task. may_be_certified: quick, and nearly always right. is_certified: as the next run would."""
 
     may_be_certified: Test
@@ -58,7 +58,7 @@ class Remedies:
         return "; ".join(filter(None, (tried, stopped, hint)))
 
 
-def find_remedies(task: Task, reason: Reason, tests: Tests) -> Remedies:
+def find_remedies(task: Task, reason: Reason, tests: Trials) -> Remedies:
     """Return changes with which the task is certified, each verified as the reader will run it.
 
     The time that is left is `require_effort`'s, which the tests call somewhere; Ctrl-C ends the search as well.
@@ -80,7 +80,7 @@ def find_remedies(task: Task, reason: Reason, tests: Tests) -> Remedies:
     return remedies
 
 
-def smallest_change(task: Task, adjustment: Adjustment, tests: Tests) -> Change | None:
+def smallest_change(task: Task, adjustment: Adjustment, tests: Trials) -> Change | None:
     """Return the mildest change of one option with which the task is certified, near the smallest one; None where none is.
 
     Where the time is over, the mildest one that is known by then.
@@ -96,7 +96,7 @@ def smallest_change(task: Task, adjustment: Adjustment, tests: Tests) -> Change 
         return next((change for change in admitted[::-1] if tests.verifies(task, change)), None)
 
 
-def _admitted_changes(task: Task, adjustment: Adjustment, tests: Tests) -> Iterator[Change]:
+def _admitted_changes(task: Task, adjustment: Adjustment, tests: Trials) -> Iterator[Change]:
     """Yield milder and milder changes that the quick test admits.
 
     The strongest step is tried first, for where it fails most milder ones do; then the mildest. Between what fails and what is
@@ -129,7 +129,7 @@ def _admitted_changes(task: Task, adjustment: Adjustment, tests: Tests) -> Itera
             too_little = between
 
 
-def _joint_changes(task: Task, adjustments: Sequence[Adjustment], tests: Tests) -> Iterator[Change]:
+def _joint_changes(task: Task, adjustments: Sequence[Adjustment], tests: Trials) -> Iterator[Change]:
     """Yield one change of several options: all by the same step, then without those that are not needed, the dearest first."""
     distinct = [a for k, a in enumerate(adjustments) if a.keys not in [b.keys for b in adjustments[:k]]]
     for step in range(max((len(a.factors) for a in distinct), default=0)):

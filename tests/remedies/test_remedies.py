@@ -1,0 +1,138 @@
+"""What a refusal names: the mildest changes that hold, verified; and how long the search for them may take."""
+
+from __future__ import annotations
+
+import pickle
+from fractions import Fraction
+
+import pytest
+
+from benchmarks.suites.demanding import task_text
+from benchmarks.suites.families import FAMILIES, arena_task
+from benchmarks.suites.remedies import follow_remedies, remedies_of
+from stt_codegen import pipeline
+from stt_codegen.effort import Effort, EffortSpent, require_effort
+from stt_codegen.errors import NotCertified, Reason
+from stt_codegen.pipeline import build_task
+from stt_codegen.remedies import Trials, find_remedies
+from stt_codegen.task import Task, parse_task
+from tests.support.controllers import controller_of
+
+TOO_LONG = Reason("control.period is too long", codes=("P9",))
+SLOW = Reason("no tube was found within tube.max_speed", codes=("P6",))
+
+
+def sampled_task(period: str = "1") -> Task:
+    return controller_of("omni_s2").task.changed(control={"period": period, "u_max": "2"})
+
+
+def period_of(task: Task) -> Fraction:
+    assert task.control.period is not None
+    return task.control.period
+
+
+def test_the_mildest_change_that_holds_is_named_to_within_its_halvings() -> None:
+    for longest in ("0.9", "0.31", "0.07"):
+        is_short = lambda task, longest=longest: period_of(task) <= Fraction(longest)  # noqa: E731
+        (change,) = find_remedies(sampled_task(), TOO_LONG, Trials(is_short, is_short)).changes
+        ((key, value),) = change.edits
+        assert key == "control.period"
+        assert isinstance(value, Fraction)
+        assert Fraction(longest) * Fraction("0.8") <= value <= Fraction(longest)
+
+
+def test_a_change_that_the_quick_test_admits_and_the_certificate_refuses_is_not_named() -> None:
+    """The stronger change that is certified is named in its place."""
+    quick, certain = (lambda task: period_of(task) <= Fraction("0.5")), (lambda task: period_of(task) <= Fraction("0.3"))
+    (change,) = find_remedies(sampled_task(), TOO_LONG, Trials(quick, certain)).changes
+    assert certain(change.of(sampled_task()))
+    assert not find_remedies(sampled_task(), TOO_LONG, Trials(quick, lambda _: False)).changes
+
+
+def test_where_no_option_alone_is_enough_several_change_together_and_none_that_could_stay() -> None:
+    def holds(task: Task) -> bool:
+        return period_of(task) <= Fraction("0.5") and task.prescribed_time >= 20
+
+    (change,) = find_remedies(sampled_task(), TOO_LONG, Trials(holds, holds)).changes
+    assert {edit.key for edit in change.edits} == {"control.period", "prescribed_time"}
+    assert holds(change.of(sampled_task()))
+
+
+def test_a_search_that_finds_nothing_names_what_it_tried() -> None:
+    task = arena_task(FAMILIES["paper"], 0).changed(tube={"max_speed": "0.1"})
+    sentence = find_remedies(task, SLOW, Trials(lambda _: False, lambda _: False)).sentence("widen it")
+    assert sentence.startswith("no change of ")
+    assert sentence.endswith("; widen it")
+    assert "prescribed_time" in sentence
+    assert "tube.max_speed" in sentence
+
+
+def test_the_search_ends_when_its_time_is_over_with_what_it_knows() -> None:
+    """The time is over at the third trial, when one change is admitted."""
+    trials: list[Task] = []
+
+    def may_hold(task: Task) -> bool:
+        trials.append(task)
+        if len(trials) > 2:
+            raise EffortSpent
+        return period_of(task) <= Fraction("0.9")
+
+    remedies = find_remedies(sampled_task(), TOO_LONG, Trials(may_hold, lambda _: True))
+    assert not remedies.is_complete
+    assert "--effort SECONDS" in remedies.sentence("")
+    assert [edit.key for change in remedies.changes for edit in change.edits] == ["control.period"]
+
+
+def test_a_limit_counts_within_its_block_alone_and_the_reason_is_said_once() -> None:
+    said: list[str] = []
+    effort = Effort(0.0, said.append)
+    effort.announce_later(lambda: "too narrow")
+    require_effort()
+    with pytest.raises(EffortSpent), effort.limit(1.0):
+        require_effort()
+    require_effort()
+    assert said == []  # the search was over before the reason was worth a line
+
+
+def test_a_refusal_goes_to_another_process_with_its_reason() -> None:
+    refusal = pickle.loads(pickle.dumps(NotCertified(lambda: Reason("no way leads", "move it", codes=("P4",), axis=1))))
+    assert (str(refusal), refusal.reason.codes, refusal.reason.axis) == ("no way leads; move it", ("P4",), 1)
+
+
+@pytest.mark.parametrize("seed", [36])
+def test_what_another_preference_certifies_is_certified_without_one(seed: int) -> None:
+    """Plants of order 2 whose preferred tube is refused, while the one for long periods is not."""
+    task = arena_task(FAMILIES["paper"], seed).changed(
+        plant={"order": 2, "w_max": "0.1"}, control={"period": "0.01", "u_max": "3"}
+    )
+    stated = task.changed(tube={"prefer": "balanced"})
+    assert build_task(task.changed(tube={"prefer": "period"})).certificate.holds
+    preferred = pipeline.attempt(stated, pipeline.STAGES["refined"].design_tube(stated))
+    assert not preferred.certificate.holds
+    assert build_task(task).certificate.holds
+    assert pipeline.certify(*designed(task)).holds
+
+
+def designed(task: Task) -> tuple[Task, pipeline.Design, pipeline.Program]:
+    """Return what the stages by themselves make of a task."""
+    design = pipeline.design_tube(task)
+    chosen = pipeline.with_chosen_control(task, design)
+    return chosen, design, pipeline.build_program(chosen, design)
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("coupling", 13), ("input", 1), ("passage", 3), ("speed", 1), ("mission", 2)])
+def test_every_remedy_of_a_drawn_task_is_true(kind: str, seed: int) -> None:
+    """`python -m benchmarks refusals` does this for 200 tasks."""
+    assert follow_remedies(parse_task(task_text(kind, seed)))
+
+
+def test_remedies_are_read_from_the_text_as_it_is_printed() -> None:
+    message = (
+        "limits (P8): no tube; certified with control.u_max = [1, 2.5], or without mission[1] (visit a, or b), or with tube.clearance = 0 "
+        'and control.gain = "auto"; the time was over before every option was tried (--effort SECONDS)'
+    )
+    assert remedies_of(message) == [
+        {"control.u_max": [1, 2.5]},
+        {"mission[1]": None},
+        {"tube.clearance": 0, "control.gain": "auto"},
+    ]
