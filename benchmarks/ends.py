@@ -1,10 +1,11 @@
-"""Install the oldest allowed versions of the dependencies in a new environment, and check that generated/ is the same.
+"""Install the oldest allowed versions of the dependencies in a new environment, then the newest, and check generated/ with both.
 
     python -m benchmarks ends
 
 Controllers of the refined design must have the same bytes. Two kinds of files may differ, and are counted: those of the adaptive
 and the literal design, because some versions of CasADi write x + x as 2 * x; and the results that the self-test of a double
-accepts, whose enclosures depend on the version of FLINT. The exit code is 1 where another file differs.
+accepts, whose enclosures depend on the version of FLINT. What --json prints must be one JSON document, so no library may print.
+The exit code is 1 where another file differs, or where --json prints something else.
 """
 
 from __future__ import annotations
@@ -30,17 +31,25 @@ def lower_ends() -> list[str]:
     return [re.sub(r">=([\w.]+).*", r"==\1", requirement) for requirement in ranges]
 
 
-def main() -> None:
-    """Install the versions, check generated/, and print the number of differences of each kind."""
+def newest_versions() -> list[str]:
+    """Return the names of the dependencies, of which pip installs the newest versions."""
+    ranges = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    return [re.sub(r"[><=!~].*", "", requirement) for requirement in ranges]
+
+
+def holds_with(requirements: list[str]) -> bool:
+    """Check generated/ and --json in a new environment with these versions; print the number of differences of each kind."""
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([sys.executable, "-m", "venv", folder], check=True)
         python = Path(folder) / "bin" / "python"
-        print(f"installing {', '.join(lower_ends())} ...", flush=True)
+        print(f"installing {', '.join(requirements)} ...", flush=True)
         install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-        subprocess.run([*install, *lower_ends(), "hatchling", "editables"], check=True)
+        subprocess.run([*install, *requirements, "hatchling", "editables"], check=True)
         subprocess.run([*install, "--no-deps", "--no-build-isolation", "-e", ROOT], check=True)
-        check = [python, "-m", "stt_codegen.cli", "check", ROOT / "generated"]
-        result = subprocess.run(check, capture_output=True, text=True, check=False)
+        command = [python, "-m", "stt_codegen.cli"]
+        result = subprocess.run([*command, "check", ROOT / "generated"], capture_output=True, text=True, check=False)
+        design = [*command, "design", ROOT / "tasks" / "omni_s2.toml", "--json"]
+        printed = subprocess.run(design, capture_output=True, text=True, check=True).stdout
     names = DIFFERENCE.findall(result.stdout + result.stderr)
     if result.returncode not in (0, 1) or (result.returncode == 1 and not names):
         sys.exit(result.stdout + result.stderr)
@@ -50,7 +59,14 @@ def main() -> None:
         unexpected -= expected
         print(f"{len(expected):3} files differ: {reason}")
     print(f"{len(unexpected):3} other files differ", *sorted(unexpected), sep="\n    ")
-    sys.exit(1 if unexpected else 0)
+    is_json = printed.startswith("{")
+    print("--json prints one document" if is_json else f"--json prints something else first: {printed[:200]}")
+    return not unexpected and is_json
+
+
+def main() -> None:
+    """Check with the oldest versions, then with the newest."""
+    sys.exit(0 if all([holds_with(lower_ends()), holds_with(newest_versions())]) else 1)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from typing import Annotated, Any
 
 import typer
@@ -69,7 +70,12 @@ def main() -> None:
 
 
 def run(commands: typer.Typer, program: str) -> None:
-    """Run a command line; every `SttError` becomes one message and its exit code (with --json also one document)."""
+    """Run a command line; every `SttError` becomes one message and its exit code (with --json also one document).
+
+    Warnings of libraries are for developers: STT_CODEGEN_DEBUG=1 shows them.
+    """
+    if not os.environ.get("STT_CODEGEN_DEBUG"):
+        warnings.simplefilter("ignore")
     try:
         sys.exit(_exit_code(commands, program))
     except UsageError as error:

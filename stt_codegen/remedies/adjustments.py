@@ -90,13 +90,7 @@ def _choice(codes: frozenset[str], key: str, value: Value, remark: str = "") -> 
     return Adjustment(codes, lambda _: Change((Edit(key, value),), remark), (Fraction(1),))
 
 
-def _scaled(
-    codes: frozenset[str],
-    key: str,
-    value: Fraction | tuple[Fraction, ...],
-    factors: tuple[Fraction, ...],
-    axis: int | None = None,
-) -> Adjustment:
+def _scaled(codes: frozenset[str], key: str, value: Numbers, factors: Factors, axis: int | None = None) -> Adjustment:
     """Return the adjustment that multiplies a number, or the numbers of all axes, or that of one axis."""
 
     def change(factor: Fraction) -> Change:
@@ -140,11 +134,8 @@ def _sampling(task: Task) -> Iterator[Adjustment]:
         yield _scaled(codes, "control.period", control.period, LOWERING)
         if control.latency:
             yield _scaled(codes, "control.latency", control.latency, REMOVING)
-        yield Adjustment(
-            codes,
-            lambda share: Change((Edit("initial_set.share", share),)),
-            tuple(share for share in SHARES if share < task.initial_set.share),
-        )
+        if shares := tuple(share for share in SHARES if share < task.initial_set.share):
+            yield Adjustment(codes, lambda share: Change((Edit("initial_set.share", share),)), shares, task.initial_set.share)
 
 
 def _times(task: Task) -> Iterator[Adjustment]:
@@ -205,11 +196,9 @@ def _tube(task: Task) -> Iterator[Adjustment]:
     for key, value in (("tube.max_speed", tube.max_speed), ("tube.max_acceleration", tube.max_acceleration)):
         if value is not None:
             yield _scaled(MOTION, key, value, RAISING_FAR)
-    edges_and_motion = EDGES | MOTION
-    if tube.clearance:
-        yield _scaled(edges_and_motion | {START}, "tube.clearance", tube.clearance, REMOVING)
-    if tube.min_width:
-        yield _scaled(edges_and_motion | {START}, "tube.min_width", tube.min_width, REMOVING)
+    for key, value in (("tube.clearance", tube.clearance), ("tube.min_width", tube.min_width)):
+        if value:
+            yield _scaled(EDGES | MOTION | {START}, key, value, REMOVING)
 
 
 def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
@@ -229,7 +218,7 @@ def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
     if noise:
         yield _scaled_together(sampled, noise, REMOVING)
     forces = [(f"plant.{k}", v) for k in ("f_max", "w_max") if (v := getattr(plant, k)) and _has_any(v)]
-    if (forces and task.control.u_max is not None) or (forces and task.control.period is not None):
+    if forces and (control.u_max is not None or control.period is not None):
         yield _scaled_together(INPUT, forces, REMOVING)
     if plant.g_cross is not None and _has_any(plant.g_cross):
         yield _scaled(INPUT, "plant.g_cross", plant.g_cross, REMOVING)

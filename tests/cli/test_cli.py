@@ -175,3 +175,18 @@ def test_a_start_that_is_not_covered_is_reported_by_axis_and_amount(tmp_path: Pa
     assert 0.03 <= left_out[0] < 0.0301
     printed = run_command("design", str(tmp_path / "near.toml")).stdout
     assert f"up to {left_out[0]:.3g} in x1" in printed
+
+
+def test_no_warning_of_a_library_reaches_a_person() -> None:
+    """Python is told to show every warning; a command that warns prints nothing, unless a developer asks for it."""
+    code = (
+        "import sys, typer, warnings; from stt_codegen.cli.main import run; app = typer.Typer(); sys.argv = ['warns']\n"
+        "@app.command()\ndef warns() -> None:\n    warnings.warn('overflow in exp', RuntimeWarning)\n"
+        "run(app, 'warns')"
+    )
+    for debug, is_shown in (("", False), ("1", True)):
+        environment = {**os.environ, "STT_CODEGEN_DEBUG": debug}
+        command = [sys.executable, "-W", "always", "-c", code]
+        process = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+        assert ("overflow in exp" in process.stderr) == is_shown
+        assert process.stdout == ""

@@ -5,12 +5,14 @@ from __future__ import annotations
 import pickle
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from benchmarks.suites.demanding import task_text
 from benchmarks.suites.families import FAMILIES, arena_task
 from benchmarks.suites.remedies import follow_remedies, remedies_of
 from stt_codegen import pipeline
+from stt_codegen.design.linear_programs.solver import LinearProgram
 from stt_codegen.effort import Effort, EffortSpent, require_effort
 from stt_codegen.errors import NotCertified, Reason
 from stt_codegen.pipeline import build_task
@@ -136,3 +138,11 @@ def test_remedies_are_read_from_the_text_as_it_is_printed() -> None:
         {"mission[1]": None},
         {"tube.clearance": 0, "control.gain": "auto"},
     ]
+
+
+def test_the_solver_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
+    program = LinearProgram(1)
+    program.cost[0], program.lower[0] = 1.0, 2.0
+    program.add_rows([[0]], [1.0], 3.0, np.inf)
+    assert program.solve() == pytest.approx([3.0])
+    assert capfd.readouterr() == ("", "")

@@ -121,6 +121,13 @@ class ProgramBounds:
     row_upper: Array
 
 
+class _SilentSolver(highspy.Highs):
+    """HiGHS without the callbacks that its Python class adds: from 1.16 on, adding them prints a banner on stdout."""
+
+    def __init__(self) -> None:
+        super(highspy.Highs, self).__init__()
+
+
 class SolverCache:
     """The solvers of one task by the names of their programs.
 
@@ -158,7 +165,7 @@ def _load(cost: Array, rows: Rows, bounds: ProgramBounds) -> highspy.Highs:
     model.row_lower_, model.row_upper_ = bounds.row_lower, bounds.row_upper
     model.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
     model.a_matrix_.start_, model.a_matrix_.index_, model.a_matrix_.value_ = rows.first, rows.column, rows.value
-    solver = highspy.Highs()  # type: ignore[no-untyped-call]
+    solver = _SilentSolver()
     for option, value in OPTIONS.items():
         solver.setOptionValue(option, value)
     solver.passModel(model)
