@@ -298,6 +298,10 @@ JOBS = (
         "sampled", "No adversary breaks a loop at its proved period.", 3, "benchmarks/sampled.py 100", PACKAGE,
     ),
     script(
+        "refusals", "Every remedy that a refusal names is true, for tasks of nine kinds.", 5,
+        "benchmarks/refusals.py --count 27", (*PACKAGE, "benchmarks/moving.py"),
+    ),
+    script(
         "tubes", "Arenas with a way have a tube, and no setting has a tube that is wider and no faster.", 3,
         "benchmarks/tubes.py --count 60 --others 60", PACKAGE,
     ),

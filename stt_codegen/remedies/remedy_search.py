@@ -58,16 +58,16 @@ class Remedies:
         return "; ".join(filter(None, (tried, stopped, hint)))
 
 
-def find_remedies(task: Task, reason: Reason, tests: Trials) -> Remedies:
+def find_remedies(task: Task, reason: Reason, trials: Trials) -> Remedies:
     """Return changes with which the task is certified, each verified as the reader will run it.
 
-    The time that is left is `require_effort`'s, which the tests call somewhere; Ctrl-C ends the search as well.
+    The time that is left is `require_effort`'s, which the trials call somewhere; Ctrl-C ends the search as well.
     """
     remedies = Remedies()
     with suppress(EffortSpent, KeyboardInterrupt):
         adjustments = list(adjustments_of(task, reason))
         for adjustment in adjustments:
-            change = smallest_change(task, adjustment, tests)
+            change = smallest_change(task, adjustment, trials)
             if change is None:
                 remedies.without_success += adjustment.keys
             elif change.text not in [known.text for known in remedies.changes]:
@@ -75,28 +75,28 @@ def find_remedies(task: Task, reason: Reason, tests: Trials) -> Remedies:
             if len(remedies.changes) == REMEDY_LIMIT:
                 break
         if not remedies.changes:
-            remedies.changes += _joint_changes(task, [a for a in adjustments if not a.leaves_out_an_entry], tests)
+            remedies.changes += _joint_changes(task, [a for a in adjustments if not a.leaves_out_an_entry], trials)
         remedies.is_complete = True
     return remedies
 
 
-def smallest_change(task: Task, adjustment: Adjustment, tests: Trials) -> Change | None:
+def smallest_change(task: Task, adjustment: Adjustment, trials: Trials) -> Change | None:
     """Return the mildest change of one option with which the task is certified, near the smallest one; None where none is.
 
     Where the time is over, the mildest one that is known by then.
     """
     admitted: list[Change] = []
     try:
-        for change in _admitted_changes(task, adjustment, tests):
+        for change in _admitted_changes(task, adjustment, trials):
             admitted.append(change)
     except EffortSpent:
         if not admitted:
             raise
     with without_limit():
-        return next((change for change in admitted[::-1] if tests.verifies(task, change)), None)
+        return next((change for change in admitted[::-1] if trials.verifies(task, change)), None)
 
 
-def _admitted_changes(task: Task, adjustment: Adjustment, tests: Trials) -> Iterator[Change]:
+def _admitted_changes(task: Task, adjustment: Adjustment, trials: Trials) -> Iterator[Change]:
     """Yield milder and milder changes that the quick test admits.
 
     The strongest step is tried first, for where it fails most milder ones do; then the mildest. Between what fails and what is
@@ -104,14 +104,14 @@ def _admitted_changes(task: Task, adjustment: Adjustment, tests: Trials) -> Iter
     """
     factors = adjustment.factors
     ends = sorted({len(factors) - 1, 0}, reverse=True)
-    high = next((k for k in ends if tests.admits(task, adjustment.change(factors[k]))), None)
+    high = next((k for k in ends if trials.admits(task, adjustment.change(factors[k]))), None)
     if high is None:
         return
     yield adjustment.change(factors[high])
     low = -1
     while high - low > 1:
         middle = (low + high) // 2
-        if tests.admits(task, adjustment.change(factors[middle])):
+        if trials.admits(task, adjustment.change(factors[middle])):
             high = middle
             yield adjustment.change(factors[middle])
         else:
@@ -122,23 +122,23 @@ def _admitted_changes(task: Task, adjustment: Adjustment, tests: Trials) -> Iter
         change = adjustment.change(between)
         if change in (adjustment.change(too_little), adjustment.change(enough)):  # as they are printed
             return
-        if tests.admits(task, change):
+        if trials.admits(task, change):
             enough = between
             yield change
         else:
             too_little = between
 
 
-def _joint_changes(task: Task, adjustments: Sequence[Adjustment], tests: Trials) -> Iterator[Change]:
+def _joint_changes(task: Task, adjustments: Sequence[Adjustment], trials: Trials) -> Iterator[Change]:
     """Yield one change of several options: all by the same step, then without those that are not needed, the dearest first."""
     distinct = [a for k, a in enumerate(adjustments) if a.keys not in [b.keys for b in adjustments[:k]]]
     for step in range(max((len(a.factors) for a in distinct), default=0)):
         parts = [a.change(a.factors[min(step, len(a.factors) - 1)]) for a in distinct]
-        if len(parts) < 2 or not tests.verifies(task, _joined(parts)):
+        if len(parts) < 2 or not trials.verifies(task, _joined(parts)):
             continue
         for part in parts[::-1]:
             fewer = [p for p in parts if p is not part]
-            if fewer and tests.verifies(task, _joined(fewer)):
+            if fewer and trials.verifies(task, _joined(fewer)):
                 parts = fewer
         yield _joined(parts)
         return
