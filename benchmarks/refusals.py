@@ -121,6 +121,8 @@ def summary(outcomes: Sequence[Outcome]) -> str:
 
 
 def _row(kind: str, outcomes: Sequence[Outcome]) -> list[str]:
+    """Return a row of the table."""
+
     def seconds(values: list[float]) -> str:
         return f"{np.median(values):.1f}, {np.quantile(values, 0.95):.1f}"
 

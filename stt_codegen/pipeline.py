@@ -204,6 +204,7 @@ def _quick_test() -> Callable[[Task], bool]:
     answers: dict[tuple[object, ...], bool] = {}
 
     def may_be_certified(task: Task) -> bool:
+        """Return the answer for one task."""
         require_supported(task)
         with suppress(NotCertified):
             design = STAGES[task.tube.design].design_tube(task)

@@ -178,7 +178,7 @@ def test_a_start_that_is_not_covered_is_reported_by_axis_and_amount(tmp_path: Pa
 
 
 def test_no_warning_of_a_library_reaches_a_person() -> None:
-    """Python is told to show every warning; a command that warns prints nothing, unless a developer asks for it."""
+    """With Python set to show every warning, a command that warns prints nothing, unless a developer asks for it."""
     code = (
         "import sys, typer, warnings; from stt_codegen.cli.main import run; app = typer.Typer(); sys.argv = ['warns']\n"
         "@app.command()\ndef warns() -> None:\n    warnings.warn('overflow in exp', RuntimeWarning)\n"

@@ -45,10 +45,10 @@ def test_the_mildest_change_that_holds_is_named_to_within_its_halvings() -> None
 
 def test_a_change_that_the_quick_test_admits_and_the_certificate_refuses_is_not_named() -> None:
     """The stronger change that is certified is named in its place."""
-    quick, certain = (lambda task: period_of(task) <= Fraction("0.5")), (lambda task: period_of(task) <= Fraction("0.3"))
-    (change,) = find_remedies(sampled_task(), TOO_LONG, Trials(quick, certain)).changes
-    assert certain(change.of(sampled_task()))
-    assert not find_remedies(sampled_task(), TOO_LONG, Trials(quick, lambda _: False)).changes
+    may_hold, holds = (lambda task: period_of(task) <= Fraction("0.5")), (lambda task: period_of(task) <= Fraction("0.3"))
+    (change,) = find_remedies(sampled_task(), TOO_LONG, Trials(may_hold, holds)).changes
+    assert holds(change.of(sampled_task()))
+    assert not find_remedies(sampled_task(), TOO_LONG, Trials(may_hold, lambda _: False)).changes
 
 
 def test_where_no_option_alone_is_enough_several_change_together_and_none_that_could_stay() -> None:
