@@ -152,7 +152,10 @@ def certified_attempt(task: Task, effort: Effort | None = None, *, accepts_failu
     if first is not None and accepts_failure:
         return first
     with effort.limit(CHANGES_SHARE):
-        raise NotCertified(_with_remedies(task, refusal.reason))
+        reason = _with_remedies(task, refusal.reason)
+    if first is not None and first.certificate.is_law_defined:
+        reason = replace(reason, hint=f"{reason.hint} (--uncertified writes the tube as it is, with a banner)")
+    raise NotCertified(reason)
 
 
 def _first_attempt(task: Task) -> tuple[Attempt | None, NotCertified]:
