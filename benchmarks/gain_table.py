@@ -24,7 +24,7 @@ from benchmarks.suites.report import command, record, table
 from stt_codegen.controller import edge_and_rate_errors
 from stt_codegen.decimals import above, by_component
 from stt_codegen.designs import RefinedDesign, require_refined
-from stt_codegen.pipeline import EmittedController, build_task, design_tube
+from stt_codegen.pipeline import EmittedController, build_task, preferred_tube
 from stt_codegen.sampling import exact_loop, path_loop_of
 from stt_codegen.sampling.path import proved_disturbance_factor, proved_period_factor
 from stt_codegen.task.load import load_task
@@ -173,7 +173,7 @@ def controllers_of(name: str) -> dict[str, EmittedController]:
     """Return the controllers with the tight and with the gentle gain, in one tube."""
     task: Task = load_task(ROOT / "tasks" / f"{name}.toml")
     task = task.changed(**CHANGES[name]) if CHANGES[name] else task
-    design = design_tube(task)
+    design = preferred_tube(task)
     return {rule: build_task(task.changed(control={"gain": rule}), tube=design) for rule in ("tight", "auto")}
 
 

@@ -32,7 +32,7 @@ from stt_codegen.design.routes.shortest_route import shortest_route
 from stt_codegen.errors import MissingTool, NotCertified
 from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario, random_start
-from stt_codegen.pipeline import EmittedController, build_program, build_task, certify, design_tube
+from stt_codegen.pipeline import EmittedController, build_program, build_task, certify, preferred_tube
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
@@ -56,7 +56,7 @@ def design_arena(seed: int) -> InertiaResult:
     task = arena_task(FAMILIES["paper"], seed).changed(plant={"order": 2, "w_max": DISTURBANCE_BOUND})
     begin = time.process_time()
     try:
-        design = design_tube(task)
+        design = preferred_tube(task)
         certificate = certify(task, design, build_program(task, design))
     except NotCertified as error:
         return InertiaResult(None, time.process_time() - begin, str(error))

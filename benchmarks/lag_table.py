@@ -27,7 +27,7 @@ import numpy as np
 from benchmarks.suites.report import command, record, table
 from stt_codegen.controller import edge_and_rate_errors
 from stt_codegen.designs import RefinedDesign, require_refined
-from stt_codegen.pipeline import build_program, design_tube
+from stt_codegen.pipeline import build_program, preferred_tube
 from stt_codegen.sampling.gains import balancing_gain, needed_input
 from stt_codegen.sampling.loops import exact_loop, loop_of
 from stt_codegen.sampling.numbers import FRACTIONS
@@ -145,7 +145,7 @@ def robot_of(name: str, w_max: float | None = None) -> Robot:
     path = Path(name) if name.endswith(".toml") else TASK_FILES.get(name, ROOT / "tasks" / f"{name}.toml")
     task = parse_task(WAREHOUSE) if name == "amr" else load_task(path)
     task = task if w_max is None else task.changed(plant={"w_max": w_max})
-    design = require_refined(design_tube(task))
+    design = require_refined(preferred_tube(task))
     task = task.with_gain([Fraction(1, 10)] * task.dimension) if task.has_automatic_gain else task
     errors = edge_and_rate_errors(design, build_program(task, design))
     exact, loop = exact_loop(task, design, *errors), loop_of(task, design, *errors)

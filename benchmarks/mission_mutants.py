@@ -31,7 +31,7 @@ from stt_codegen.certify.missions.proof import certify_mission
 from stt_codegen.controller.edge_errors import edge_error
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import build_program, design_tube
+from stt_codegen.pipeline import build_program, preferred_tube
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until, regions_of
 from stt_codegen.task.mission.regions import RegionUnion, StateFormula
@@ -75,7 +75,7 @@ def bases() -> tuple[Case, ...]:
     tasks.append(("response for ever", parse_task(response)))
     cases = []
     for name, task in tasks:
-        design = design_tube(task)
+        design = preferred_tube(task)
         assert isinstance(design, RefinedDesign)
         cases.append(Case(name, task, design, units_of_error(design, edge_error(design, build_program(task, design)))))
     return tuple(cases)

@@ -28,7 +28,7 @@ import numpy.typing as npt
 
 from benchmarks.suites.report import command, machine, record
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.pipeline import EmittedController, build_program, build_task, certify, design_tube
+from stt_codegen.pipeline import EmittedController, build_program, build_task, certify, preferred_tube
 from stt_codegen.task.task import Task
 
 Array = npt.NDArray[np.float64]
@@ -260,7 +260,7 @@ def design_result(task: Task, leaves_way: bool) -> DesignResult:
     """Design and certify an arena's tube."""
     begin = time.process_time()
     try:
-        design = design_tube(task)
+        design = preferred_tube(task)
         certificate = certify(task, design, build_program(task, design))
     except NotCertified as error:
         return DesignResult(leaves_way, None, time.process_time() - begin, str(error))

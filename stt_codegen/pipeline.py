@@ -122,15 +122,17 @@ def attempt(task: Task, design: Design) -> Attempt:
     return Attempt(chosen, design, program, certify(chosen, design, program))
 
 
+def preferred_tube(task: Task) -> Design:
+    """Find the tube that the task prefers, without its certificate. Raises `NotCertified` where there is none."""
+    return STAGES[task.tube.design].design_tube(task)
+
+
 def design_tube(task: Task, effort: Effort | None = None) -> Design:
     """Find a tube of the kind `tube.design`: one that is certified, where the task leaves one open.
 
     Raises `NotCertified` with the reason, and with changes that help, where there is no tube. Where there is one and its period
     or another property is not proved, that tube is returned, and its certificate says what fails.
     """
-    if task.control.period is None:  # what else a certificate asks of the tube is in the design's programs
-        with suppress(NotCertified):
-            return STAGES[task.tube.design].design_tube(task)
     return certified_attempt(task, effort, accepts_failure=True).design
 
 
@@ -161,7 +163,7 @@ def certified_attempt(task: Task, effort: Effort | None = None, *, accepts_failu
 def _first_attempt(task: Task) -> tuple[Attempt | None, NotCertified]:
     """Return the attempt with the preferred tube, None where there is none, and the refusal for the case that it fails."""
     try:
-        first = attempt(task, STAGES[task.tube.design].design_tube(task))
+        first = attempt(task, preferred_tube(task))
     except NotCertified as refusal:
         return None, refusal
     return first, NotCertified(lambda: first.certificate.reason)
@@ -210,7 +212,7 @@ def _quick_test() -> Callable[[Task], bool]:
         """Return the answer for one task."""
         require_supported(task)
         with suppress(NotCertified):
-            design = STAGES[task.tube.design].design_tube(task)
+            design = preferred_tube(task)
             may_hold = STAGES[design.kind].may_hold
             if may_hold is None:
                 return attempt(task, design).certificate.holds
@@ -227,7 +229,7 @@ def _is_certified(task: Task) -> bool:
     """Return whether a task is certified with its preferred tube. Raises `BadInput` where it fits together no longer."""
     require_supported(task)
     with suppress(NotCertified):
-        return attempt(task, STAGES[task.tube.design].design_tube(task)).certificate.holds
+        return attempt(task, preferred_tube(task)).certificate.holds
     return False
 
 

@@ -45,7 +45,7 @@ from benchmarks.oracles.sturm import evaluate
 from benchmarks.suites.families import FAMILIES, arena_task
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.pipeline import build_task, design_tube
+from stt_codegen.pipeline import build_task, preferred_tube
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
 
@@ -73,7 +73,7 @@ def order_two_design(name: str, scalar: str) -> tuple[Task, RefinedDesign] | Non
     """Design the tube of `order_two_task`, whose task is returned with it; None where there is no tube."""
     task = order_two_task(name, scalar)
     try:
-        design = design_tube(task.changed(plant={"w_max": DISTURBANCE}))
+        design = preferred_tube(task.changed(plant={"w_max": DISTURBANCE}))
     except NotCertified:
         return None
     assert isinstance(design, RefinedDesign)

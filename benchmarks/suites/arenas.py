@@ -65,7 +65,7 @@ class ArenaResult:
 
 def run_arena(job: ArenaJob) -> ArenaResult:
     """Design and certify one arena."""
-    from stt_codegen.pipeline import build_program, certify, design_tube
+    from stt_codegen.pipeline import build_program, certify, preferred_tube
 
     family = FAMILIES[job.family]
     _warm_up(job.design)
@@ -74,7 +74,7 @@ def run_arena(job: ArenaJob) -> ArenaResult:
     has_way = family.dimension > FLOOD_FILL_DIMENSIONS or (distance < BOX / 2 and is_feasible(family, job.seed, distance))
     begin = time.process_time()
     try:
-        design = design_tube(task)
+        design = preferred_tube(task)
     except NotCertified as error:
         return ArenaResult(job, has_way, False, time.process_time() - begin, 0.0, reason=str(error))
     middle = time.process_time()
@@ -90,10 +90,10 @@ def run_arena(job: ArenaJob) -> ArenaResult:
 @cache
 def _warm_up(design: str) -> None:
     """Design one arena, so that imports and caches do not count as time of the first job."""
-    from stt_codegen.pipeline import build_program, certify, design_tube
+    from stt_codegen.pipeline import build_program, certify, preferred_tube
 
     task = arena_task(FAMILIES["paper"], 0).with_options(design)
-    tube = design_tube(task)
+    tube = preferred_tube(task)
     certify(task, tube, build_program(task, tube))
 
 

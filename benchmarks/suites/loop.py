@@ -24,7 +24,7 @@ from benchmarks.suites.report import number
 from stt_codegen.errors import NotCertified
 from stt_codegen.loop.command import with_disturbance_bound, with_gain
 from stt_codegen.loop.simulate import Loop, Run, Scenario, random_start
-from stt_codegen.pipeline import EmittedController, build_program, certify, design_tube
+from stt_codegen.pipeline import EmittedController, build_program, certify, preferred_tube
 from stt_codegen.plants import PLANTS
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task.task import Task
@@ -101,7 +101,7 @@ def run_job(job: LoopJob) -> LoopOutcome:
 
 def certified_tube(task: Task) -> EmittedController:
     """Return the controller of an arena, without files: these need the gain. Raises NotCertified."""
-    design = design_tube(task)
+    design = preferred_tube(task)
     program = build_program(task, design)
     certificate = certify(task, design, program)
     if not certificate.holds:

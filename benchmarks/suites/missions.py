@@ -20,7 +20,7 @@ from stt_codegen.certify.missions.proof import certify_mission
 from stt_codegen.controller.edge_errors import edge_error
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import SttError
-from stt_codegen.pipeline import build, build_program, certify, design_tube
+from stt_codegen.pipeline import build, build_program, certify, preferred_tube
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
 
@@ -72,7 +72,7 @@ def run_mission(name: str, task: Task) -> MissionRun:
     """Design and certify a mission once, and measure the time."""
     begin = time.perf_counter()
     try:
-        design = design_tube(task)
+        design = preferred_tube(task)
     except SttError as error:
         return MissionRun(name, False, 1e3 * (time.perf_counter() - begin), 0.0, 0.0, 0.0, 0.0, str(error))
     assert isinstance(design, RefinedDesign)

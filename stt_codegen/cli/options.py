@@ -77,7 +77,7 @@ def counted(number: int, thing: str) -> str:
 
 def effort_for(task: Path, seconds: float = DEFAULT_SECONDS) -> Effort:
     """Return the effort of a search for another way, which says why it goes on."""
-    end = f"looking for what would do, up to {seconds:g} s; Ctrl-C ends the search"
+    end = f"looking for what would do, for about {seconds:g} s; Ctrl-C ends the search"
     return Effort(seconds, lambda reason: say(f"{task}: {reason}; {end}"))
 
 

@@ -54,7 +54,7 @@ class Remedies:
             first, *more = (change.text for change in self.changes)
             return "; ".join(filter(None, (", or ".join((f"certified {first}", *more)), stopped)))
         keys = list(dict.fromkeys(self.without_success))
-        tried = f"no change of {' or '.join(keys)} was enough" if keys else ""
+        tried = f"no change that was tried was enough, of {', '.join(keys)}" if keys else ""
         return "; ".join(filter(None, (tried, stopped, hint)))
 
 

@@ -149,13 +149,15 @@ class Task(TaskTables):
         overrides = ({"scalar": scalar} if scalar else {}) | ({language: True} if language else {})
         emit = stated.emit.model_copy(update=overrides) if overrides else stated.emit
         changed = stated.model_copy(update={"tube": tube, "emit": emit})
+        if self._with_outline is not None:  # what `changed` starts from
+            changed._with_outline = self._with_outline.model_copy(update={"tube": tube, "emit": emit})
         if self.periodic:  # the error of unwrapping depends on the scalar
             changed._expanded_text, changed._map_notes, changed._expanded_keys = (
                 self._expanded_text,
                 self._map_notes,
                 self._expanded_keys,
             )
-            changed._floor_plan, changed._with_outline = self._floor_plan, self._with_outline
+            changed._floor_plan = self._floor_plan
             changed._expand_and_check()
             return changed
         problem = first_problem(changed) if design or language or scalar == "fixed" else None

@@ -63,7 +63,7 @@ def test_where_no_option_alone_is_enough_several_change_together_and_none_that_c
 def test_a_search_that_finds_nothing_names_what_it_tried() -> None:
     task = arena_task(FAMILIES["paper"], 0).changed(tube={"max_speed": "0.1"})
     sentence = find_remedies(task, SLOW, Trials(lambda _: False, lambda _: False)).sentence("widen it")
-    assert sentence.startswith("no change of ")
+    assert sentence.startswith("no change that was tried was enough, of ")
     assert sentence.endswith("; widen it")
     assert "prescribed_time" in sentence
     assert "tube.max_speed" in sentence
@@ -85,15 +85,27 @@ def test_the_search_ends_when_its_time_is_over_with_what_it_knows() -> None:
     assert [edit.key for change in remedies.changes for edit in change.edits] == ["control.period"]
 
 
-def test_a_limit_counts_within_its_block_alone_and_the_reason_is_said_once() -> None:
-    said: list[str] = []
-    effort = Effort(0.0, said.append)
-    effort.announce_later(lambda: "too narrow")
+def test_a_limit_counts_within_its_block_alone() -> None:
+    effort = Effort(0.0)
     require_effort()
     with pytest.raises(EffortSpent), effort.limit(1.0):
         require_effort()
     require_effort()
-    assert said == []  # the search was over before the reason was worth a line
+
+
+@pytest.mark.parametrize(("delay", "said"), [(0.0, ["too narrow"]), (60.0, [])])
+def test_the_first_reason_is_said_once_where_the_search_goes_on(
+    delay: float, said: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("stt_codegen.effort.effort.ANNOUNCEMENT_DELAY", delay)
+    lines: list[str] = []
+    effort = Effort(60.0, lines.append)
+    effort.announce_later(lambda: "too narrow")
+    effort.announce_later(lambda: "a later one")
+    with effort.limit(1.0):
+        for _ in range(3):
+            require_effort()
+    assert lines == said
 
 
 def test_a_refusal_goes_to_another_process_with_its_reason() -> None:
@@ -146,3 +158,12 @@ def test_the_solver_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
     program.add_rows([[0]], [1.0], 3.0, np.inf)
     assert program.solve() == pytest.approx([3.0])
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("order_two", [False, True])
+def test_design_certify_and_build_agree_about_the_tube(order_two: bool) -> None:
+    plant = {"plant": {"order": 2, "w_max": "0.1"}} if order_two else {}
+    task = arena_task(FAMILIES["paper"], 36).changed(control={"period": "0.01", "u_max": "3"}, **plant)
+    design = pipeline.design_tube(task)
+    assert design == build_task(task).design
+    assert pipeline.attempt(task, design).certificate.holds

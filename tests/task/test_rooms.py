@@ -366,3 +366,9 @@ def test_the_oracle_of_rooms_recognizes_a_box_outside() -> None:
     assert not inside(3, 3, 3.5, 3.5)
     assert not inside(0, 0, 3, 2, clearance=0.1)
     assert inside(0, 0, 1.8, 4, clearance=0.1)
+
+
+def test_options_of_the_command_line_stay_where_a_room_is_changed() -> None:
+    """A remedy is tried in the scalar that the command line asks for."""
+    task = parse_task(ELL).with_options(scalar="double")
+    assert task.changed(prescribed_time=2 * task.prescribed_time).emit.scalar == "double"

@@ -37,9 +37,12 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
     weak = _axis_without_authority(task, loop)
     if weak is not None:
         needed, limit = needed_input(loop)[weak], loop.law.u_max[weak]
-        against = f"|u| = {above(Fraction(needed), 3):g} is needed against the edges, f, w and coupling"
+        against = f"|u| = {above(Fraction(needed), 3):g} balances what the edges, f, w and coupling do at most"
         return PeriodFailure(f"in {task.axis_words[weak]} {against}, and control.u_max is {limit:g}", weak)
     gain = f"gain {by_component(task.gain)}"
+    if task.uses_differences:  # the error of v is known for the task's own period alone
+        problem = f"control.period = {decimal(task.sampling_period)} s is not proved with {gain} and a velocity by differences"
+        return PeriodFailure(problem, None)
     if longest is not None and longest.seconds > 0:
         problem = f"control.period = {decimal(task.sampling_period)} s is too long"
         problem += f"; {below(longest.seconds, 3):g} s is the longest that is proved with {gain}"

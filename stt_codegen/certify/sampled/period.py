@@ -76,7 +76,8 @@ def certify_period(
 class PeriodEvidence(NamedTuple):
     """The proof of a period, or None; by how many seconds a longer period is proved, negative without a proof.
 
-    longest: the longest proved period, where there is no proof of the task's; None where none is proved.
+    longest: the longest proved period, where there is no proof of the task's; None where none is proved, and for a velocity by
+    differences, whose error is known for the task's own period alone.
     """
 
     proof: PeriodProof | None
@@ -97,7 +98,7 @@ def _evidence(task: Task, design: RefinedDesign, exact: SampledLoop, loop: Sampl
         return PeriodEvidence(proof, margin)
     if sharp is not None and (sharp.margin >= margin or task.uses_differences):
         return sharp
-    longest = None if longest_period is None else LongestProof(longest_period)
+    longest = None if longest_period is None or task.uses_differences else LongestProof(longest_period)
     return PeriodEvidence(None, min(margin, -period / 1000), longest)
 
 
@@ -108,7 +109,9 @@ def _sharp_evidence(task: Task, exact: SampledLoop, loop: SampledLoop) -> Period
     proof = prove_period(task, exact, loop, longest_period)
     if proof is None:
         # Where balls alone prove the period, which is no proof here, a small negative margin is stated.
-        longest = None if longest_period is None else LongestProof(Fraction(longest_period.seconds), longest_period.bottleneck)
+        longest = None
+        if longest_period is not None and not task.uses_differences:
+            longest = LongestProof(Fraction(longest_period.seconds), longest_period.bottleneck)
         return PeriodEvidence(None, min(margin, -task.sampling_period / 1000), longest)
     return PeriodEvidence(proof, margin)
 

@@ -10,7 +10,7 @@ from stt_codegen.design import family
 from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.designs import Design
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.pipeline import EmittedController, build_task, design_tube
+from stt_codegen.pipeline import EmittedController, build_task, preferred_tube
 from stt_codegen.properties import Property
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.sampling import GainChoice
@@ -86,7 +86,7 @@ def trade_report(task: Task) -> TradeReport:
         raise BadInput(f"--pareto: is for {kinds} tubes; the {task.tube.design} design has no widths to choose from")
     preferences_by_design: dict[Design, list[str]] = {}
     for preference in PREFERENCES:
-        design = design_tube(task.changed(tube={"prefer": preference}))
+        design = preferred_tube(task.changed(tube={"prefer": preference}))
         preferences_by_design.setdefault(design, []).append(preference)
     for design in family(task):
         preferences_by_design.setdefault(design, [])
