@@ -170,7 +170,10 @@ def _first_attempt(task: Task) -> tuple[Attempt | None, NotCertified]:
 
 
 def _other_attempt(task: Task, first: Design | None) -> Attempt | None:
-    """Return the first of the other tubes that the task leaves open which is certified; None where none is, or time is over."""
+    """Return the first of the other tubes that the task leaves open which is certified; None where none is, or time is over.
+
+    Their order is fixed, so the time decides whether there is a tube, and never which.
+    """
     alternatives = STAGES[task.tube.design].alternatives
     if alternatives is None:
         return None

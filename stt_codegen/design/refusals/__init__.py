@@ -1,4 +1,4 @@
-"""Why no tube is found, which option would have to change, and how far."""
+"""Why no tube is found: limits, sets that close every route, or times that are in conflict."""
 
 from stt_codegen.design.refusals.reasons import explain_refusal
 
