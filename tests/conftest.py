@@ -22,7 +22,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(autouse=True)
 def longer_effort(monkeypatch: pytest.MonkeyPatch) -> None:
     """Give the search for remedies more time than a user waits, so that no refusal depends on how busy the machine is."""
-    monkeypatch.setattr("stt_codegen.effort.effort.DEFAULT_SECONDS", 40.0)
+    monkeypatch.setattr("stt_codegen.effort.effort.DEFAULT_SECONDS", 20.0)
 
 
 @pytest.fixture

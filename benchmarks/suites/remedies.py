@@ -9,20 +9,25 @@ from typing import Any
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task
 from stt_codegen.task import Task
-from stt_codegen.task.task import document_of
+from stt_codegen.task.task import document_digest, document_of
 
 Remedy = dict[str, Any]  # keys of a task file and their new values; None for a key or an entry that is left out
 ASSIGNMENT = r"([a-z_.\[\]0-9]+) = (\[[^\]]*\]|\"[^\"]*\"|[\d.e+-]*\d)"
+REFUSALS: dict[str, str] = {}  # messages by the digest of what the task states
 LEFT_OUT = r"without ([a-z_]+(?:\.[a-z_]+)?(?:\[\d+\])?)"
 
 
 def refusal_of(task: Task) -> str:
-    """Return the message with which the task is refused. Raises `AssertionError` where it is certified."""
-    try:
-        build_task(task)
-    except NotCertified as refusal:
-        return str(refusal)
-    raise AssertionError(f"{task.name} is certified")
+    """Return the message with which the task is refused; it is worked out once. Raises `AssertionError` for a certified task."""
+    digest = document_digest(task.as_stated)
+    if digest not in REFUSALS:
+        try:
+            build_task(task)
+        except NotCertified as refusal:
+            REFUSALS[digest] = str(refusal)
+        else:
+            raise AssertionError(f"{task.name} is certified")
+    return REFUSALS[digest]
 
 
 def remedies_of(refusal: str) -> list[Remedy]:
