@@ -163,7 +163,7 @@ def build(task: Task | str | Path, *, uncertified: bool = False, effort: float =
 
 
 def _controller(emitted: pipeline.EmittedController, source: Path | None = None) -> Controller:
-    return Controller(emitted.task, emitted.design, emitted.program, emitted.certificate, emitted.files, source)
+    return Controller(**vars(emitted), source=source)
 
 
 def certify_tube(

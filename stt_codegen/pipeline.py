@@ -45,13 +45,17 @@ from stt_codegen.task import Task, load_task, require_offered
 
 @dataclass(frozen=True)
 class EmittedController:
-    """Everything that the pipeline makes of one task."""
+    """Everything that the pipeline makes of one task.
+
+    replaces: where the tube that the task prefers is not certified, a sentence on it and on the one that was taken.
+    """
 
     task: Task
     design: Design
     program: Program
     certificate: Certificate
     files: dict[str, bytes]
+    replaces: str = ""
 
 
 def build(
@@ -99,7 +103,7 @@ def build_task(
 
         program = without_covered_starts(program)
     files = render_files(result.task, result.design, program, certificate)
-    return EmittedController(result.task, result.design, program, certificate, files)
+    return EmittedController(result.task, result.design, program, certificate, files, result.replaces)
 
 
 # ----------------------------------------------------------------------------------------------- tubes that are certified
@@ -107,12 +111,16 @@ def build_task(
 
 @dataclass(frozen=True)
 class Attempt:
-    """A tube with its program and certificate, which may fail. task: with what it leaves open chosen for the tube."""
+    """A tube with its program and certificate, which may fail. task: with what it leaves open chosen for the tube.
+
+    replaces: as in EmittedController.
+    """
 
     task: Task
     design: Design
     program: Program
     certificate: Certificate
+    replaces: str = ""
 
 
 def attempt(task: Task, design: Design) -> Attempt:
@@ -150,7 +158,7 @@ def certified_attempt(task: Task, effort: Effort | None = None, *, accepts_failu
     with effort.limit(TUBES_SHARE):
         result = _other_attempt(task, None if first is None else first.design)
     if result is not None:
-        return result
+        return replace(result, replaces=_replacement_sentence(result, first, refusal.reason.problem))
     if first is not None and accepts_failure:
         return first
     with effort.limit(CHANGES_SHARE):
@@ -184,6 +192,22 @@ def _other_attempt(task: Task, first: Design | None) -> Attempt | None:
                 if result is not None:
                     return result
     return None
+
+
+def _replacement_sentence(taken: Attempt, first: Attempt | None, problem: str) -> str:
+    """Say why the tube that the task prefers was not taken, and what the tube that was taken has in its place."""
+    if first is None:
+        return f"the preferred tube is not certified ({problem}); another one was taken"
+    measures = (
+        ("least width", *(float(a.certificate.minimum_width) for a in (taken, first))),
+        ("peak speed", *(float(max(a.certificate.speed)) for a in (taken, first))),
+    )
+    changes = [f"{name} {new:.4g} in place of {old:.4g}" for name, new, old in measures if f"{new:.4g}" != f"{old:.4g}"]
+    if taken.design.size != first.design.size:
+        changes.append(f"{taken.design.size} in place of {first.design.size}")
+    if taken.design.filter != first.design.filter:
+        changes.append("other filter rates")
+    return f"the preferred tube is not certified ({problem}); taken: one with {', '.join(changes)}"
 
 
 def _certified_with(task: Task, design: Design) -> Attempt | None:

@@ -16,7 +16,7 @@ from benchmarks.peers.milp import share_violated_between_samples, solve_mission
 from benchmarks.suites.report import command, machine, number, record, table, versions
 from benchmarks.suites.scenarios import SCENARIO_FAMILIES, Scenario, connected_stones, moving_mission, random_mission
 from stt_codegen.certify.claims import units_of_error
-from stt_codegen.certify.missions.proof import certify_mission
+from stt_codegen.certify.missions.proof import SLICES, certify_mission
 from stt_codegen.controller.edge_errors import edge_error
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import SttError
@@ -55,7 +55,8 @@ class MissionRun:
     """The result of one mission.
 
     design: milliseconds of search and linear programs. proof: of the mission's property (P10). certificate: of all properties.
-    width: smallest of the tube. speed: largest. refusal: why it is not certified.
+    width: smallest of the tube. speed: largest. time_margin: by how much every time may be wrong, in thousandths of t_c. refusal:
+    why it is not certified.
     """
 
     name: str
@@ -65,6 +66,7 @@ class MissionRun:
     certificate: float
     width: float
     speed: float
+    time_margin: float = 0.0
     refusal: str = ""
 
 
@@ -74,14 +76,14 @@ def run_mission(name: str, task: Task) -> MissionRun:
     try:
         design = preferred_tube(task)
     except SttError as error:
-        return MissionRun(name, False, 1e3 * (time.perf_counter() - begin), 0.0, 0.0, 0.0, 0.0, str(error))
+        return MissionRun(name, False, 1e3 * (time.perf_counter() - begin), 0.0, 0.0, 0.0, 0.0, refusal=str(error))
     assert isinstance(design, RefinedDesign)
     design_seconds, program = time.perf_counter() - begin, build_program(task, design)
     begin = time.perf_counter()
     certificate = certify(task, design, program)
     certificate_seconds = time.perf_counter() - begin
     begin = time.perf_counter()
-    certify_mission(task, design, units_of_error(design, edge_error(design, program)))
+    _, proof = certify_mission(task, design, units_of_error(design, edge_error(design, program)))
     proof_seconds = time.perf_counter() - begin
     return MissionRun(
         name=name,
@@ -91,6 +93,7 @@ def run_mission(name: str, task: Task) -> MissionRun:
         certificate=1e3 * certificate_seconds,
         width=float(certificate.minimum_width),
         speed=max(float(v) for v in certificate.speed),
+        time_margin=0.0 if proof is None else 1e3 * proof.time_margin / (design.segments * SLICES),
         refusal="" if certificate.holds else certificate.refusal(),
     )
 
@@ -105,10 +108,12 @@ def summary_row(title: str, runs: list[MissionRun]) -> list[str]:
     certified = [run for run in runs if run.certified]
     times = sorted(run.design for run in certified) or [float("nan")]
     late = times[min(len(times) - 1, int(0.95 * len(times)))]
-    proof = statistics.median([r.proof for r in certified] or [float("nan")])
-    width = statistics.median([r.width for r in certified] or [float("nan")])
+    medians = [
+        statistics.median([getattr(r, name) for r in certified] or [float("nan")])
+        for name in ("proof", "width", "speed", "time_margin")
+    ]
     return [
-        title, f"{len(certified)} of {len(runs)}", number(statistics.median(times)), number(late), number(proof), number(width)
+        title, f"{len(certified)} of {len(runs)}", number(statistics.median(times)), number(late), *map(number, medians)
     ]  # fmt: skip
 
 
@@ -164,11 +169,21 @@ def _peer_results(text: str, limit: float) -> Iterator[str]:
 def _scenario_table(scenarios: list[tuple[Scenario, MissionRun]], peers: dict[str, list[str]]) -> str:
     rows = []
     for s, run in scenarios:
-        cells = ["refused", number(run.design), "", "", ""] if not run.certified else [
-            "proved", number(run.design), number(run.proof), number(run.speed), number(run.width)
+        cells = ["refused", number(run.design), "", "", "", ""] if not run.certified else [
+            "proved", number(run.design), number(run.proof), number(run.speed), number(run.width), number(run.time_margin)
         ]  # fmt: skip
         rows.append([s.name, *cells, *peers.get(s.name, ["", ""])])
-    head = ["mission", "", "design [ms]", "P10 [ms]", "peak speed", "least width", "standard program", "logarithmic program"]
+    head = [
+        "mission",
+        "",
+        "design [ms]",
+        "P10 [ms]",
+        "peak speed",
+        "least width",
+        "margin in time",
+        "standard program",
+        "logarithmic program",
+    ]
     return table(head, rows)
 
 
@@ -200,10 +215,9 @@ def _report(
     scenarios: list[tuple[Scenario, MissionRun]], peers: dict[str, list[str]], groups: list[tuple[str, list[MissionRun]]]
 ) -> str:
     """Return all tables as Markdown. peers: results of stlpy's two programs, by scenario. groups: runs of random missions."""
-    random_table = table(
-        ["random missions", "carried out", "design: median [ms]", "95 % [ms]", "P10: median [ms]", "least width: median"],
-        [summary_row(title, runs) for title, runs in groups],
-    )
+    head = ["random missions", "carried out", "design: median [ms]", "95 % [ms]", "P10: median [ms]", "least width: median"]
+    head += ["peak speed: median", "margin in time: median [t_c/1000]"]
+    random_table = table(head, [summary_row(title, runs) for title, runs in groups])
     strengths = f"{table(['who', 'better than ours', 'guarantees'], STRENGTHS)}\n\n" if peers else ""
     origin = f"Made by `{command()}`; {machine()}{versions()}."
     tables = f"{_scenario_table(scenarios, peers)}\n\n{NOTE}\n\n{strengths}{random_table}\n\n{_published_table()}"

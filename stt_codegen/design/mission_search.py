@@ -11,15 +11,19 @@ and the refusals call `search_of`.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.missions import (
+    MOMENT,
     START,
+    TIME_MARGIN_SPEED,
     TOLERANCE,
     Mission,
     OrderSearch,
@@ -41,17 +45,31 @@ from stt_codegen.design.spline_tubes import SEGMENT_TRIALS, SplineTube, TubeSear
 WIDTH_SHARES = (1.0, 0.6, 0.3)  # of the narrower of start and target: the widths that are tried before the minimum width
 PLAN_LIMIT = 4  # plans that are made a tube
 CLOSE_TO_PLAN = 1.3  # a tube at most so many times as fast as its plan is slow enough to try no other
-WIDENED_SPEED = 1.03  # states may hold for longer than a moment where the tube is at most so many times as fast for it
+STANDING_SHARE = 0.1  # of t_c, for which the tube may wait at all states together that must hold at one moment
+AROUND = (1, 1 / 4, 1 / 8, 1 / 16, MOMENT)  # segments, for which a state that must hold at one moment holds to either side of it
 UNHURRIED_SPEED = 1.15  # times its length in t_c is a speed that more events would hardly lower
 MINIMUM_SEGMENTS = (0, 1, 2, 4)  # that every leg gets, in this order
 
 
 @dataclass(frozen=True)
 class Timing:
-    """The knots of a plan's events, the start's first, and the route of the centre (K + 1, n) where one is known."""
+    """The knots of a plan's events, the start's first, and the route of the centre (K + 1, n) where one is known.
+
+    minimum_segments, from_rest: with which choose_knots chose them.
+    """
 
     knots: list[int]
     route: Array | None = None
+    minimum_segments: int = 0
+    from_rest: bool = False
+
+
+class _Candidate(NamedTuple):
+    """A tube, and the plan and the timing that it carries out."""
+
+    plan: Plan
+    timing: Timing
+    tube: SplineTube
 
 
 @dataclass(frozen=True)
@@ -121,44 +139,66 @@ class MissionSearch(TimedSearch):
     def design_width(self, share: float) -> SplineTube | None:
         """Return the slowest tube whose width is this share, among the first plans; None where none is found."""
         width = self.width(share)
-        best: SplineTube | None = None
-        for plan in self.plans_for(share)[:PLAN_LIMIT]:
+        best: _Candidate | None = None
+        for candidate in self._candidates(self.plans_for(share)[:PLAN_LIMIT], width, share):
+            best = candidate if best is None or candidate.tube.speed < best.tube.speed else best
+        return None if best is None else self._with_time_margin(best, width)
+
+    def _candidates(self, plans: list[Plan], width: Array, share: float) -> Iterator[_Candidate]:
+        """Yield tubes for plans, until one is so slow that there is no need to try others."""
+        slowest = np.inf
+        for plan in plans:
             if self.arena.order == 1 and plan.speed > self.arena.max_speed:
                 continue
-            count_limit = SEGMENT_TRIALS if best is not None else len(self.segment_counts)
+            count_limit = SEGMENT_TRIALS if slowest < np.inf else len(self.segment_counts)
             for segments in self.segment_counts[: 1 if self.arena.timed_obstacles and share else count_limit]:
                 for number, timing in enumerate(self.timings(plan, segments, width)):
                     tube = self._design_timing(plan, timing, segments, width)
                     if tube is None:
                         continue
-                    best = tube if best is None or tube.speed < best.speed else best
-                    is_close = best.speed <= CLOSE_TO_PLAN * plan.speed
+                    yield _Candidate(plan, timing, tube)
+                    slowest = min(slowest, tube.speed)
+                    is_close = slowest <= CLOSE_TO_PLAN * plan.speed
                     is_second_try = self.arena.order == 2 and number > 0
                     # where sets move the speed of a plan says nothing, for a plan ignores them
                     if is_close or is_second_try or self.arena.timed_obstacles:
-                        return best
-        return best
+                        return
 
     def generate_other_plans(self) -> Iterator[SplineTube]:
-        """Yield a tube for each other plan: other orders and times of the events, the widest first."""
+        """Yield a tube for each plan, without margins in time: other orders and times of the events, the widest first."""
+        segments = self.segment_counts[0]
         for share in (*self.width_shares, 0.0):
             width = self.width(share)
-            for plan in self.plans_for(share)[1:PLAN_LIMIT]:
-                timings = self.timings(plan, self.segment_counts[0], width)
-                tubes = (self._design_timing(plan, timing, self.segment_counts[0], width) for timing in timings)
+            for plan in self.plans_for(share)[:PLAN_LIMIT]:
+                tubes = (self._design_timing(plan, timing, segments, width) for timing in self.timings(plan, segments, width))
                 yield from itertools.islice((tube for tube in tubes if tube is not None), 1)
 
     def _design_timing(self, plan: Plan, timing: Timing, segments: int, width: Array) -> SplineTube | None:
-        """Return a tube whose events are at these knots; None where none is found within the bounds on speed.
-
-        States that must hold at one moment hold for a segment to either side of it too, where the tube is hardly faster for it.
-        """
+        """Return a tube whose events are at these knots; None where none is found within the bounds on speed."""
         tube = self.design_plan(plan, timing, segments, width)
-        if tube is None or (self.arena.order == 1 and tube.speed > self.peak_speed_limit(segments)):
-            return None
-        widened = self.design_plan(plan, Timing(timing.knots, tube.centre_route), segments, width, widened=True)
-        if widened is not None and widened.speed <= min(WIDENED_SPEED * tube.speed, self.peak_speed_limit(segments)):
-            return widened
+        return None if tube is None or (self.arena.order == 1 and tube.speed > self.peak_speed_limit(segments)) else tube
+
+    def _with_time_margin(self, candidate: _Candidate, width: Array) -> SplineTube:
+        """Return a tube of the same plan with as large a margin in time as costs little speed.
+
+        Its events are nearer to the middles of their windows, and states that must hold at one moment hold for longer.
+        """
+        assert self.mission is not None
+        plan, timing, tube = candidate
+        segments = tube.segments
+        moments = sum(hold.is_momentary for hold in plan.skeleton.holds)
+        longest = max(int(STANDING_SHARE * segments / (2 * max(moments, 1))), 1)
+        delayed = math.ceil(self.mission.start_delay * segments)
+        for around in dict.fromkeys(max(around, delayed) for around in (longest, *AROUND)):
+            own = Timing(timing.knots, tube.centre_route)
+            knots = choose_knots(plan, segments, timing.minimum_segments, from_rest=timing.from_rest, around=around)
+            centred = [] if knots is None or self.arena.timed_obstacles or knots == timing.knots else [Timing(knots)]
+            for moved in (*centred, own):
+                if moved is own and around == MOMENT:
+                    continue
+                safer = self.design_plan(plan, moved, segments, width, around=around)
+                if safer is not None and safer.speed <= min(TIME_MARGIN_SPEED * tube.speed, self.peak_speed_limit(segments)):
+                    return safer
         return tube
 
     def timings(self, plan: Plan, segments: int, width: Array) -> Iterator[Timing]:
@@ -171,23 +211,25 @@ class MissionSearch(TimedSearch):
         resting = [(0, True)] if self.arena.order == 2 or self.arena.max_acceleration is not None else []
         minimum_segments = MINIMUM_SEGMENTS[:1] if self.arena.timed_obstacles else MINIMUM_SEGMENTS
         for minimum, from_rest in (*resting, *((minimum, False) for minimum in minimum_segments)):
-            knots = choose_knots(plan, segments, minimum, from_rest)
+            knots = choose_knots(plan, segments, minimum, from_rest=from_rest)
             if knots is not None and tuple(knots) not in tried:
                 tried.add(tuple(knots))
-                yield Timing(knots)
+                yield Timing(knots, None, minimum, from_rest)
         if self.arena.timed_obstacles:
             assert self.mission is not None
             route = route_with_events(self.arena, self.mission, plan, centre=self.centre, width=width, segments=segments)
             if route is not None:
                 yield Timing(route.knots, route.centre)
 
-    def design_plan(self, plan: Plan, timing: Timing, segments: int, width: Array, *, widened: bool = False) -> SplineTube | None:
+    def design_plan(
+        self, plan: Plan, timing: Timing, segments: int, width: Array, *, around: float = MOMENT
+    ) -> SplineTube | None:
         """Return the slowest tube whose events are at these knots; None where none is found.
 
-        widened: whether a state that must hold at one moment must hold for a segment to either side of it.
+        around: for how many segments to either side of it a state must hold that must hold at one moment.
         """
         assert self.mission is not None
-        obstacles = mission_obstacles(self.arena, self.mission, plan, timing.knots, segments=segments, widened=widened)
+        obstacles = mission_obstacles(self.arena, self.mission, plan, timing.knots, segments=segments, around=around)
         seam = None if plan.skeleton.seam is None else round(plan.skeleton.seam * segments)
         arena = replace(self.arena, timed_obstacles=(*self.arena.timed_obstacles, *obstacles), seam=seam)
         route = timing.route

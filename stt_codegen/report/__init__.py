@@ -10,7 +10,7 @@ from stt_codegen.report.figures import (
     input_report,
     trade_report,
 )
-from stt_codegen.report.notes import task_notes
+from stt_codegen.report.notes import controller_notes
 from stt_codegen.report.outlines import Plane, outline
 from stt_codegen.report.sentences import format_numbers, format_time, sampling_lines
 
@@ -22,6 +22,7 @@ __all__ = [
     "SamplingReport",
     "TradeReport",
     "control_notes",
+    "controller_notes",
     "design_report",
     "format_numbers",
     "format_time",
@@ -32,6 +33,5 @@ __all__ = [
     "round_down",
     "round_up",
     "sampling_lines",
-    "task_notes",
     "trade_report",
 ]

@@ -1,4 +1,4 @@
-"""Notes for `design` and `generate` on sets of a task that differ from what the listed points may suggest."""
+"""Notes for `design` and `generate`: on sets that differ from what the listed points may suggest, the tube taken, visits."""
 
 from __future__ import annotations
 
@@ -6,10 +6,27 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import lcm
 
+from stt_codegen.certify.missions import is_visit
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.closed_axis_notes import turn_notes
 from stt_codegen.task import Task
 from stt_codegen.task.map import Point, touching_sides, twice_area
 from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, hull_corners
+
+VISIT_NOTE = (
+    "a visit without stay is for a moment, here for as long as costs little speed; stay = 2 in its entry asks for 2 s, "
+    "start_delay = 1 for a margin of 1 s in every time"
+)
+
+
+def controller_notes(controller: EmittedController) -> Iterator[str]:
+    """Yield the notes on the task, on a tube that was taken in place of the preferred one, and on the visits of a mission."""
+    yield from task_notes(controller.task)
+    if controller.replaces:
+        yield controller.replaces
+    mission = controller.certificate.mission
+    if mission is not None and any(is_visit(witness) for entry in mission.witnesses for witness in entry):
+        yield VISIT_NOTE
 
 
 def task_notes(task: Task) -> tuple[str, ...]:

@@ -24,7 +24,10 @@ from stt_codegen.certify.missions.schedule import describe_entry, phases, served
 from stt_codegen.certify.monitor import holds, satisfied
 from stt_codegen.checker import check_files
 from stt_codegen.constraints import mission_avoidances
+from stt_codegen.design.mission_search import MissionSearch
+from stt_codegen.design.missions import TIME_MARGIN_SPEED
 from stt_codegen.designs.refined import RefinedDesign
+from stt_codegen.effort import Effort
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import with_gain
 from stt_codegen.loop.simulate import Loop, Scenario
@@ -506,6 +509,49 @@ def test_with_a_start_delay_the_margin_in_time_is_at_least_the_delay() -> None:
     (finding,) = (f for f in certificate.findings if f.in_time)
     assert certificate.holds
     assert finding.margin >= finding.required >= Fraction(1, 10)
+
+
+ERRAND = """
+name = "errand"
+prescribed_time = 40
+initial_state = [1, 1]
+state_space = { lower = [0, 0], upper = [10, 10] }
+initial_set = { lower = [0.6, 0.6], upper = [1.4, 1.4] }
+unsafe = [{ name = "desk", lower = [4, 3], upper = [6, 7] }]
+region = [{ name = "a", lower = [8, 1], upper = [9, 2] }, { name = "b", lower = [1, 8], upper = [2, 9] }]
+mission = [{ visit = "a", between = [5, %s], then = "b" }]
+"""
+
+
+@pytest.mark.parametrize("latest", [17, 20, 25])
+def test_visits_are_longer_than_a_moment_and_off_the_ends_of_their_windows_for_little_speed(
+    latest: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The slowest tube is in a at 16.25 s alone. A margin of a window is t_c/16; knots are t_c/64 apart."""
+    task = parse_task(ERRAND % latest)
+    controller = build_once(task)
+    proof = controller.certificate.mission
+    assert proof is not None
+    ((visit, _),) = proof.witnesses
+    assert visit.end - visit.begin >= Fraction(2 * 40, 64)
+    assert visit.begin + visit.end <= 2 * (latest - Fraction(40, 16) + Fraction(40, 64))
+    monkeypatch.setattr(MissionSearch, "_with_time_margin", lambda _, candidate, width: candidate.tube)
+    hurried = build_task(task)
+    assert max(controller.certificate.speed) <= Fraction(TIME_MARGIN_SPEED) * max(hurried.certificate.speed)
+    assert hurried.certificate.mission is not None
+    assert proof.time_margin > 10 * hurried.certificate.mission.time_margin
+
+
+def test_a_tube_without_margin_in_time_is_taken_where_only_that_is_slow_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = f'tube.prefer = "balanced"\n{ERRAND % 17}control = {{ u_max = 0.475, period = 0.02 }}\nplant = {{ exact = true }}\n'
+    controller = build_task(parse_task(text))
+    assert controller.certificate.holds
+    problem = "the preferred tube is not certified (period (P9): in dimension 1 |u| ="
+    assert controller.replaces.startswith(problem)
+    assert re.search(r"; taken: one with peak speed 0\.4\d+ in place of 0\.5\d+$", controller.replaces)
+    monkeypatch.setattr(MissionSearch, "generate_other_plans", lambda _: iter(()))
+    with pytest.raises(NotCertified, match="P9"):
+        build_task(parse_task(text), effort=Effort(0.1))
 
 
 def test_without_a_mission_a_target_is_needed_and_regions_are_for_missions() -> None:

@@ -123,8 +123,14 @@ def test_what_another_preference_certifies_is_certified_without_one(seed: int) -
     assert build_task(task.changed(tube={"prefer": "period"})).certificate.holds
     preferred = pipeline.attempt(stated, pipeline.STAGES["refined"].design_tube(stated))
     assert not preferred.certificate.holds
-    assert build_task(task).certificate.holds
+    controller = build_task(task)
+    assert controller.certificate.holds
     assert pipeline.certify(*designed(task)).holds
+    width, speed = float(controller.certificate.minimum_width), float(max(controller.certificate.speed))
+    assert "the preferred tube is not certified (period (P9): " in controller.replaces
+    assert f"least width {width:.4g} in place of {float(preferred.certificate.minimum_width):.4g}" in controller.replaces
+    assert f"peak speed {speed:.4g} in place of" in controller.replaces
+    assert not build_task(task.changed(tube={"prefer": "period"})).replaces
 
 
 def designed(task: Task) -> tuple[Task, pipeline.Design, pipeline.Program]:

@@ -1,9 +1,9 @@
 """P10: whether the tube satisfies the mission.
 
 Where each state formula holds is computed piece by piece in exact integers; from these intervals the formula follows by algebra
-(monitor.py). Segments are cut into PARTS. Next to an end of a part at which a state holds, but not around it, a thin slice of a
-segment is tested: so one such end in a region is enough for a visit, and the clock may be a little wrong. The spatial margin is
-the largest slack with which the mission is still satisfied. The temporal margin is by how much every interval may then shrink.
+(monitor.py). Segments are cut into PARTS. Next to an end of a part at which a state holds, but not around it, thinner pieces of a
+segment are tested: so one such end in a region is enough for a visit, and the clock may be a little wrong. The spatial margin is
+half of the largest slack with which the mission is satisfied. The temporal margin is by how much every interval may then shrink.
 docs/missions.md has the mathematics.
 """
 
@@ -31,6 +31,7 @@ from stt_codegen.task.mission import StateFormula, state_formulas_of
 
 PARTS = 8  # of a segment, for which slack is computed
 SLICES = 1024  # of a segment: the resolution of the ends of intervals
+THIN = (64, 16, 4, 1)  # slices: the pieces that are tested beside an end at which a state holds, where the part does not
 NOWHERE = -(1 << 60)  # the slack of a state that no tube has
 LARGEST_COEFFICIENT = 1 << 40  # below it the halvings fit into 64 bits
 # The clock's error as a share of t_c: of t, K/t_c and their product, each rounded. For ticks `controller.integers.errors.late`,
@@ -81,11 +82,14 @@ def certify_mission(task: Task, design: RefinedDesign, unit_error: int) -> tuple
     )
     statement = f"the mission of {len(task.mission)} entr{'y' if len(task.mission) == 1 else 'ies'} is satisfied"
     needed, unit = math.ceil(clock_error(task) / evidence.slice_length), design.unit
-    margin = _last(evidence.levels(), lambda slack: evidence.is_satisfied(slack, needed))
-    if margin is None or margin < unit_error:
+    largest = _last(evidence.levels(), lambda slack: evidence.is_satisfied(slack, needed))
+    if largest is None or largest < unit_error:
         if evidence.is_satisfied(unit_error, 0):  # only the margin for the clock's error is missing
             return (_clock_finding(task, evidence, statement, unit_error),), None
-        return (Finding(Property.MISSION, statement, Fraction(-1 if margin is None else margin) * unit, unit_error * unit),), None
+        return (
+            Finding(Property.MISSION, statement, Fraction(-1 if largest is None else largest) * unit, unit_error * unit),
+        ), None
+    margin = max(largest // 2, unit_error)  # the other half leaves time: a state holds for longer with less slack
     time_margin = _last(range(needed, evidence.slice_count + 1), lambda slices: evidence.is_satisfied(margin, slices))
     assert time_margin is not None
     seconds = time_margin * evidence.slice_length
@@ -186,7 +190,7 @@ def _in_seconds(slices: list[tuple[int, int]], slice_count: int, slice_length: F
 
 
 def state_slack(design: RefinedDesign, sets: Sequence[Avoidance]) -> StateSlack:
-    """Return the slack of a state on parts of segments, at their ends, and on slices beside ends with more slack."""
+    """Return the slack of a state on parts of segments, at their ends, and on thinner pieces beside ends with more slack."""
     count, step, bezier = design.segments * PARTS, SLICES // PARTS, design.bezier()
     kind: Any = np.int64 if design.coefficient_bits < LARGEST_COEFFICIENT.bit_length() else object
     ends = np.arange(count + 1) * step
@@ -199,11 +203,11 @@ def state_slack(design: RefinedDesign, sets: Sequence[Avoidance]) -> StateSlack:
     finer = PARTS**3
     block = ConstraintBlock.choice(sets, design.unit / finer)
     on_parts, at_ends = (_slack(block, p) // finer for p in (pieces, points))
-    slack, slices = [on_parts, at_ends], _slices_beside_ends(on_parts, at_ends, step)
-    if slices:
-        cuts = [_slice(bezier, a, b) for a, b in slices]
+    slack, thin = [on_parts, at_ends], _thin_pieces(on_parts, at_ends, step)
+    if thin:
+        cuts = [_slice(bezier, a, b) for a, b in thin]
         slack.append(np.array([math.floor(v) for v in ConstraintBlock.choice(sets, design.unit).slack(np.stack(cuts))[0]]))
-        stretches = np.concatenate([stretches, np.array(slices)])
+        stretches = np.concatenate([stretches, np.array(thin)])
     # less one unit, because a checker rounds bounds to whole units
     return StateSlack(stretches, np.concatenate([values.astype(object) for values in slack]) - 1)
 
@@ -233,33 +237,33 @@ def _slack(block: ConstraintBlock, pieces: npt.NDArray[Any]) -> npt.NDArray[Any]
     return np.concatenate([block.slack(pieces[k : k + step])[0] for k in range(0, len(pieces), step)])
 
 
-def _slices_beside_ends(on_parts: npt.NDArray[Any], at_ends: npt.NDArray[Any], step: int) -> list[tuple[int, int]]:
-    """Return the slices beside ends of parts that have slack, on sides where the part has none."""
-    slices = []
+def _thin_pieces(on_parts: npt.NDArray[Any], at_ends: npt.NDArray[Any], step: int) -> list[tuple[int, int]]:
+    """Return the pieces beside ends of parts that have slack, in slices, on sides where the part has none."""
+    pieces = []
     for k in np.nonzero(at_ends > 0)[0].tolist():
         if k > 0 and on_parts[k - 1] <= 0:
-            slices.append((k * step - 1, k * step))
+            pieces += [(k * step - size, k * step) for size in THIN]
         if k < len(on_parts) and on_parts[k] <= 0:
-            slices.append((k * step, k * step + 1))
-    return slices
+            pieces += [(k * step, k * step + size) for size in THIN]
+    return pieces
 
 
 def avoiding_pieces(design: RefinedDesign, block: ConstraintBlock, span: tuple[int, int], margin: int) -> list[AvoidingPiece]:
     """Return pieces that cover a span, in slices, each with a constraint of a set that proves the margin on it.
 
-    A piece is as many whole segments as one constraint proves, else a part of a segment or a slice.
+    A piece is as many whole segments as one constraint proves, else a part of a segment or a thinner piece.
     """
     (begin, end), step, bezier = span, SLICES // PARTS, design.bezier()
     pieces: list[AvoidingPiece] = []
     at = begin
     while at < end or (at == end == begin and not pieces):
-        for size in (SLICES, step, 1) if begin < end else (0,):
+        for size in (SLICES, step, *THIN) if begin < end else (0,):
             if (size and at % size) or at + size > end:
                 continue
             piece = _slice(bezier, at, at + size) if at + size else bezier[0, ..., :1].repeat(4, axis=-1)
             slack = block.slack_by_constraint(piece[None])[0]
             best = int(np.argmax(slack))
-            if slack[best] >= margin or size < step:
+            if slack[best] >= margin or size <= 1:
                 last = pieces[-1] if pieces else AvoidingPiece(Fraction(0), Fraction(0), -1)
                 if size == SLICES and last.constraint == best and last.end.denominator == last.begin.denominator == 1:
                     pieces[-1] = last._replace(end=last.end + 1)

@@ -162,10 +162,10 @@ def _theorem_file(task: bytes, name: str, files: dict[str, bytes]) -> dict[str, 
 
 def _notes(controller: Any) -> Iterator[str]:
     """Yield what a refined tube's certificate does not prove, and what the task does not say: notes that `design` prints too."""
-    from stt_codegen.report import Analysis, control_notes, task_notes
+    from stt_codegen.report import Analysis, control_notes, controller_notes
 
     task = controller.task
-    yield from task_notes(task)
+    yield from controller_notes(controller)
     yield from control_notes(task, None)
     yield from _set_notes(task)
     proves_periods = controller.design.capabilities.proves_periods

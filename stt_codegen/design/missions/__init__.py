@@ -2,14 +2,25 @@
 
 from stt_codegen.design.missions.conflicts import describe_conflict
 from stt_codegen.design.missions.orders import OrderSearch
-from stt_codegen.design.missions.plans import Plan, centre_along, choose_knots, mission_obstacles, plan_of_stops, slowest_plan
+from stt_codegen.design.missions.plans import (
+    MOMENT,
+    TIME_MARGIN_SPEED,
+    Plan,
+    centre_along,
+    choose_knots,
+    mission_obstacles,
+    plan_of_stops,
+    slowest_plan,
+)
 from stt_codegen.design.missions.skeleton import START, TOLERANCE, Skeleton
 from stt_codegen.design.missions.spacetime_plans import route_with_events
 from stt_codegen.design.missions.state_constraints import Mission, mission_of, require_start
 from stt_codegen.design.missions.waypoints import Waypoints
 
 __all__ = [
+    "MOMENT",
     "START",
+    "TIME_MARGIN_SPEED",
     "TOLERANCE",
     "Mission",
     "OrderSearch",

@@ -28,7 +28,10 @@ SLOWDOWN = 0.9  # speed of the search for a slower order, times the speed of the
 SLOWDOWN_LIMIT = 6  # searches for a slower order
 SLOWER_RATIO = 0.999  # largest speed of a slower order, times the speed of the last order
 KNOT_TOLERANCE = 1e-9  # of a segment, by which a time may miss a knot
-KNOT_SHARE = 1 / 64  # of a segment: a state that must hold at a knot holds for so long about it
+TIME_MARGIN_SPEED = 1.2  # times the smallest speed: what margin in time may cost
+WINDOW_MARGIN = 1 / 16  # of t_c, that an event keeps from the ends of its window, or half of a shorter window
+SPEED_WEIGHT = 10.0  # of the ratio of the durations to the lengths, beside the share of a margin
+MOMENT = 1 / 64  # of a segment: for so long to either side of a knot a state holds that must hold at the knot
 
 
 @dataclass(frozen=True)
@@ -124,12 +127,16 @@ def _leg_windows(skeleton: Skeleton, stops: Sequence[Stop]) -> Iterator[_LegWind
             yield _LegWindow(list(range(first, last)), minimum, maximum)
 
 
-def choose_knots(plan: Plan, segments: int, minimum_segments: int, from_rest: bool = False) -> list[int] | None:
+def choose_knots(
+    plan: Plan, segments: int, minimum_segments: int, *, from_rest: bool = False, around: float | None = None
+) -> list[int] | None:
     """Return the knot of each stop, the start's first; None where windows are too narrow for so few segments.
 
     The times are those of the smallest speed, rounded to whole segments within all windows. Each leg with a length takes at least
     `minimum_segments`. from_rest: the times are those of the smallest acceleration instead, at which a leg from rest to rest
-    takes 2 sqrt(length / acceleration).
+    takes 2 sqrt(length / acceleration). around: times with a margin instead, at no more than TIME_MARGIN_SPEED times the smallest
+    speed: nearer to the middles of their windows, and so many segments to spare to either side of a state that must hold at one
+    moment.
     """
     lengths = [math.sqrt(length) if from_rest else length for length in plan.lengths]
     windows = list(_leg_windows(plan.skeleton, plan.stops))
@@ -138,27 +145,75 @@ def choose_knots(plan: Plan, segments: int, minimum_segments: int, from_rest: bo
         return None
     shortest = [minimum_segments / segments if moving else 0.0 for moving in is_moving]
     durations = _even_durations(lengths, shortest, windows)
+    if durations is not None and around is not None and durations[-1] > TOLERANCE:
+        pauses = _pauses(plan, is_moving) * around / segments
+        durations = _durations_with_margin(lengths, shortest, windows, pauses, durations[-1])
     if durations is None:
         return None
-    times = np.concatenate([[0.0], np.cumsum(durations)]) * segments
+    times = np.concatenate([[0.0], np.cumsum(durations[: len(lengths)])]) * segments
     steps = np.array([float(max(minimum_segments, 1)) if moving else 0.0 for moving in is_moving])
     return _round_to_knots(times, steps, windows, segments)
 
 
-def _even_durations(lengths: Sequence[float], shortest: Sequence[float], windows: Sequence[_LegWindow]) -> Array | None:
-    """Return durations of the legs within all windows whose smallest ratio to the length is largest, in parts of t_c: (legs,)."""
+def _pauses(plan: Plan, is_moving: Sequence[bool]) -> Array:
+    """Return at how many ends of each leg with a length a state must hold at one moment: (legs,)."""
+    momentary = {hold.first for hold in plan.skeleton.holds if hold.is_momentary}
+    ends = [False, *(stop.event in momentary for stop in plan.stops)]
+    for k, moving in enumerate(is_moving):
+        if not moving:  # both stops are at one place
+            ends[k] = ends[k + 1] = ends[k] or ends[k + 1]
+    return np.array([(ends[k] + ends[k + 1]) * moving for k, moving in enumerate(is_moving)], dtype=float)
+
+
+def _duration_program(
+    lengths: Sequence[float], shortest: Sequence[float], windows: Sequence[_LegWindow], extra: int, pauses: Array | None = None
+) -> LinearProgram:
+    """Return the constraints on the durations of the legs, in parts of t_c: within all windows, and in proportion to the lengths.
+
+    The columns are the durations, the smallest ratio of a duration to its length, and `extra` more. pauses: (legs,), by what each
+    duration must be longer than that.
+    """
     legs = len(lengths)
-    program = LinearProgram(legs + 1)
-    program.cost[legs] = -1.0
+    program = LinearProgram(legs + 1 + extra)
     program.lower[:legs], program.lower[legs] = shortest, 0.0
     program.upper[legs] = 1 / TOLERANCE  # bounds the program where no leg has a length
     for k, length in enumerate(lengths):
         if length > TOLERANCE:
-            program.add_rows([[k, legs]], [1.0, -length], 0.0, np.inf)
+            program.add_rows([[k, legs]], [1.0, -length], 0.0 if pauses is None else pauses[k], np.inf)
     for window in windows:
         program.add_rows([window.legs], np.ones(len(window.legs)), window.minimum, window.maximum)
-    solution = program.solve()
-    return None if solution is None else solution[:legs]
+    return program
+
+
+def _even_durations(lengths: Sequence[float], shortest: Sequence[float], windows: Sequence[_LegWindow]) -> Array | None:
+    """Return the durations of the legs whose smallest ratio to the length is largest, and then this ratio: (legs + 1,)."""
+    program = _duration_program(lengths, shortest, windows, 0)
+    program.cost[-1] = -1.0
+    return program.solve()
+
+
+def _durations_with_margin(
+    lengths: Sequence[float], shortest: Sequence[float], windows: Sequence[_LegWindow], pauses: Array, ratio: float
+) -> Array | None:
+    """Return durations that keep from the ends of the windows, with a ratio of at least `ratio` / TIME_MARGIN_SPEED, or None.
+
+    A window's margin is WINDOW_MARGIN or half of it; each has a share of its margin. The smallest share counts most, then the sum
+    of the shares and the speed.
+    """
+    legs, count = len(lengths), len(windows)
+    program, least = _duration_program(lengths, shortest, windows, 1 + count, pauses), legs + 1
+    program.lower[legs], program.cost[legs] = ratio / TIME_MARGIN_SPEED, -SPEED_WEIGHT / ratio
+    program.cost[least], program.cost[least + 1 :] = -float(count + 1), -1.0
+    program.lower[least:], program.upper[least:] = 0.0, 1.0
+    for k, window in enumerate(windows, least + 1):
+        margin = min(WINDOW_MARGIN, (window.maximum - window.minimum) / 2)
+        after = margin if window.minimum > TOLERANCE else 0.0
+        before = margin if window.maximum < 1 - TOLERANCE else 0.0
+        row, ones = [[*window.legs, k]], np.ones(len(window.legs))
+        program.add_rows(row, np.append(ones, -after), window.minimum, np.inf)
+        program.add_rows(row, np.append(ones, before), -np.inf, window.maximum)
+        program.add_rows([[k, least]], [1.0, -1.0], 0.0, np.inf)
+    return program.solve()
 
 
 def _round_to_knots(times: Array, steps: Array, windows: Sequence[_LegWindow], segments: int) -> list[int] | None:
@@ -205,20 +260,20 @@ def centre_along(plan: Plan, knots: Sequence[int], segments: int) -> Array:
 
 
 def mission_obstacles(
-    arena: Arena, mission: Mission, plan: Plan, knots: Sequence[int], *, segments: int, widened: bool = False
+    arena: Arena, mission: Mission, plan: Plan, knots: Sequence[int], *, segments: int, around: float = MOMENT
 ) -> tuple[TimedObstacle, ...]:
     """Return what each state requires, while it must hold, as sets that the tube must stay clear of.
 
-    knots: of the start and of each stop. widened: whether a state that must hold at one moment must hold for a segment to either
-    side of it.
+    knots: of the start and of each stop. around: for how many segments to either side a state must hold that must hold at one
+    moment.
     """
     event_knots = {START: knots[0], **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
-    around = max(int(np.ceil(mission.start_delay * segments)), int(widened))
-    knot_margin = 2.0 * plan.speed / segments * KNOT_SHARE
+    whole = max(math.ceil(mission.start_delay * segments), math.floor(around))
+    knot_margin = 2.0 * plan.speed / segments * around
     obstacles: list[TimedObstacle] = []
     for number, hold in enumerate(plan.skeleton.holds):
         first, last = event_knots[hold.first], event_knots[hold.last]
-        active, margin = _active_coefficients(hold, first, last, segments=segments, around=around, knot_margin=knot_margin)
+        active, margin = _active_coefficients(hold, first, last, segments=segments, around=whole, knot_margin=knot_margin)
         obstacles += mission.states[hold.state].as_timed_obstacles(arena, f"{number}", active, margin)
     return tuple(obstacles)
 
@@ -237,7 +292,7 @@ def _active_coefficients(
             if 0 <= k < segments:
                 active[k, coefficient], margin[k, coefficient] = True, knot_margin
     elif hold.first == hold.last:
-        active[max(first - around, 0) : last + around] = True
+        active[max(first - around, 0) : last + max(around, int(hold.lasts_longer))] = True
     else:
         active[max(first, 0) : last + max(around, 1) * hold.lasts_longer] = True
     if hold.last == END:

@@ -21,7 +21,7 @@ from stt_codegen.program.targets.c.runner import STRICT, find_compiler
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import SamplingReport, round_up
 from stt_codegen.report.figures.control_notes import choice_lines, control_notes
-from stt_codegen.report.notes import task_notes
+from stt_codegen.report.notes import controller_notes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,7 +145,7 @@ def design_report(controller: EmittedController, seconds: float) -> DesignReport
         picture=None,
         mission=() if certificate.mission is None else served_entries(task, certificate.mission),
         cycle=None if cycle is None else (float(cycle.begin), float(cycle.end)),
-        notes=(*task_notes(task), *control_notes(task, inputs.largest_u)),
+        notes=(*controller_notes(controller), *control_notes(task, inputs.largest_u)),
         start_left_out=tuple(
             round_up(float(max(low - a, b - high, Fraction(0))))
             for (low, high), a, b in zip(certificate.start, task.start.lower, task.start.upper, strict=True)
