@@ -5,7 +5,7 @@
  * Every x(t) that stays in the tube satisfies the mission (P10): (eventually[4, 9] (always[0, 2] dock and
  * eventually[2, 12] (left or right)) and (not lab until[0, 24] dock) and always[0, 12] (not dock or eventually[0, 8]
  * charger)); times are seconds of t. It still holds where every time at which the tube is in a region, or off one, is
- * wrong by up to 0.000366 s.
+ * wrong by up to 0.00585 s.
  *
  * Call courier_control once every period with the time since the start and the measured state. It keeps no state and
  * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
@@ -82,9 +82,9 @@ void courier_transform(const courier_real lower[COURIER_N], const courier_real u
                        courier_real epsilon[COURIER_N], courier_real xi[COURIER_N]);
 
 /* In courier_phase.c: which entry of the mission is being served at time t, from 1; 0 once all are done.
- * 1 visit dock then exit: dock from 7.5 to 9.75 s; left from 16.88 to 16.92 s
- * 2 never lab before dock: dock from 7.5 to 9.75 s
- * 3 always[0, 12] (dock -> eventually[0, 8] charger): charger at 13.13 s
+ * 1 visit dock then exit: dock from 7.5 to 9.773 s; left from 16.87 to 16.94 s
+ * 2 never lab before dock: dock from 7.5 to 9.773 s
+ * 3 always[0, 12] (dock -> eventually[0, 8] charger): charger from 13.12 to 13.13 s
  */
 int courier_phase(courier_real t);
 

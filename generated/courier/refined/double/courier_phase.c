@@ -3,7 +3,7 @@
 
 int courier_phase(courier_real t)
 {
-    static const courier_real until[3] = { 9.7503662109375, 13.1253662109375, 16.9222412109375 };
+    static const courier_real until[3] = { 9.7734375, 13.130859375, 16.9453125 };
     static const int entry[3] = { 1, 3, 1 };
     int phase = 0;
     for (int k = 3 - 1; k >= 0; k--) {

@@ -5,7 +5,7 @@
  * Every x(t) that stays in the tube satisfies the mission (P10): (eventually[4, 9] (always[0, 2] dock and
  * eventually[2, 12] (left or right)) and (not lab until[0, 24] dock) and always[0, 12] (not dock or eventually[0, 8]
  * charger)); times are seconds of t. It still holds where every time at which the tube is in a region, or off one, is
- * wrong by up to 0.000366 s.
+ * wrong by up to 0.00585 s.
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  */

@@ -3,7 +3,7 @@
 
 int courier_phase(courier_real t)
 {
-    static const courier_real until[3] = { 9.750366F, 13.125366F, 16.922241F };
+    static const courier_real until[3] = { 9.7734375F, 13.130859F, 16.945312F };
     static const int entry[3] = { 1, 3, 1 };
     int phase = 0;
     for (int k = 3 - 1; k >= 0; k--) {

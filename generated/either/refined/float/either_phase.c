@@ -3,7 +3,7 @@
 
 int either_phase(either_real t)
 {
-    static const either_real until[1] = { 9.000275F };
+    static const either_real until[1] = { 8.9296875F };
     static const int entry[1] = { 1 };
     int phase = 0;
     for (int k = 1 - 1; k >= 0; k--) {

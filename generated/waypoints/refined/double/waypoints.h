@@ -4,7 +4,7 @@
  * unsafe set, stays in the state space, is at least 0.05 wide, and carries out the mission.
  * Every x(t) that stays in the tube satisfies the mission (P10): (always[0, 1] home and always[3, 4] left and
  * always[6, 7] right and always[9, 10] left and always[12, 13] right and always[17, 18] goal); times are seconds of
- * t. It still holds where every time at which the tube is in a region, or off one, is wrong by up to 0.0312 s.
+ * t. It still holds where every time at which the tube is in a region, or off one, is wrong by up to 0.0326 s.
  *
  * Call waypoints_control once every period with the time since the start and the measured state. It keeps no state and
  * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
@@ -83,9 +83,9 @@ void waypoints_transform(const waypoints_real lower[WAYPOINTS_N], const waypoint
                          waypoints_real epsilon[WAYPOINTS_N], waypoints_real xi[WAYPOINTS_N]);
 
 /* In waypoints_phase.c: which entry of the mission is being served at time t, from 1; 0 once all are done.
- * 1 always[0, 1] home and always[3, 4] left and always[6, 7] right: home from the start to 1.031 s; left from 2.907
- *   to 4.031 s; right from 5.907 to 7.031 s
- * 2 always[9, 10] left and always[12, 13] right and always[17, 18] goal: left from 8.907 to 10.03 s; right from 11.16
+ * 1 always[0, 1] home and always[3, 4] left and always[6, 7] right: home from the start to 1.032 s; left from 2.905
+ *   to 4.032 s; right from 5.905 to 7.032 s
+ * 2 always[9, 10] left and always[12, 13] right and always[17, 18] goal: left from 8.901 to 10.03 s; right from 11.16
  *   to 13.87 s; goal from 16.13 on
  */
 int waypoints_phase(waypoints_real t);

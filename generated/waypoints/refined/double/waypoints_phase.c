@@ -3,7 +3,7 @@
 
 int waypoints_phase(waypoints_real t)
 {
-    static const waypoints_real until[2] = { 7.03125, 18.0 };
+    static const waypoints_real until[2] = { 7.03271484375, 18.0 };
     static const int entry[2] = { 1, 2 };
     int phase = 0;
     for (int k = 2 - 1; k >= 0; k--) {

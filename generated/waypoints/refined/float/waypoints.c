@@ -4,7 +4,7 @@
  * unsafe set, stays in the state space, is at least 0.05 wide, and carries out the mission.
  * Every x(t) that stays in the tube satisfies the mission (P10): (always[0, 1] home and always[3, 4] left and
  * always[6, 7] right and always[9, 10] left and always[12, 13] right and always[17, 18] goal); times are seconds of
- * t. It still holds where every time at which the tube is in a region, or off one, is wrong by up to 0.0312 s.
+ * t. It still holds where every time at which the tube is in a region, or off one, is wrong by up to 0.0326 s.
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  */

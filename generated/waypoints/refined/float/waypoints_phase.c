@@ -3,7 +3,7 @@
 
 int waypoints_phase(waypoints_real t)
 {
-    static const waypoints_real until[2] = { 7.03125F, 18.0F };
+    static const waypoints_real until[2] = { 7.032715F, 18.0F };
     static const int entry[2] = { 1, 2 };
     int phase = 0;
     for (int k = 2 - 1; k >= 0; k--) {
