@@ -167,6 +167,7 @@ def _peer_results(text: str, limit: float) -> Iterator[str]:
 
 
 def _scenario_table(scenarios: list[tuple[Scenario, MissionRun]], peers: dict[str, list[str]]) -> str:
+    """Return a row for each scenario, beside what stlpy's two programs make of it. The margin is in thousandths of t_c."""
     rows = []
     for s, run in scenarios:
         cells = ["refused", number(run.design), "", "", "", ""] if not run.certified else [

@@ -190,13 +190,12 @@ class MissionSearch(TimedSearch):
         longest = max(int(STANDING_SHARE * segments / (2 * max(moments, 1))), 1)
         delayed = math.ceil(self.mission.start_delay * segments)
         for around in dict.fromkeys(max(around, delayed) for around in (longest, *AROUND)):
-            own = Timing(timing.knots, tube.centre_route)
+            timings = [Timing(timing.knots, tube.centre_route)] if around != MOMENT else []
             knots = choose_knots(plan, segments, timing.minimum_segments, from_rest=timing.from_rest, around=around)
-            centred = [] if knots is None or self.arena.timed_obstacles or knots == timing.knots else [Timing(knots)]
-            for moved in (*centred, own):
-                if moved is own and around == MOMENT:
-                    continue
-                safer = self.design_plan(plan, moved, segments, width, around=around)
+            if knots is not None and knots != timing.knots and not self.arena.timed_obstacles:
+                timings.insert(0, Timing(knots))
+            for trial in timings:
+                safer = self.design_plan(plan, trial, segments, width, around=around)
                 if safer is not None and safer.speed <= min(TIME_MARGIN_SPEED * tube.speed, self.peak_speed_limit(segments)):
                     return safer
         return tube

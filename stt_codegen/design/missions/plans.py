@@ -135,7 +135,7 @@ def choose_knots(
     The times are those of the smallest speed, rounded to whole segments within all windows. Each leg with a length takes at least
     `minimum_segments`. from_rest: the times are those of the smallest acceleration instead, at which a leg from rest to rest
     takes 2 sqrt(length / acceleration). around: times with a margin instead, at no more than TIME_MARGIN_SPEED times the smallest
-    speed: nearer to the middles of their windows, and so many segments to spare to either side of a state that must hold at one
+    speed: nearer to the middles of their windows, and with so many segments left to either side of a state that must hold at one
     moment.
     """
     lengths = [math.sqrt(length) if from_rest else length for length in plan.lengths]
@@ -201,18 +201,18 @@ def _durations_with_margin(
     of the shares and the speed.
     """
     legs, count = len(lengths), len(windows)
-    program, least = _duration_program(lengths, shortest, windows, 1 + count, pauses), legs + 1
+    program, smallest_share = _duration_program(lengths, shortest, windows, 1 + count, pauses), legs + 1
     program.lower[legs], program.cost[legs] = ratio / TIME_MARGIN_SPEED, -SPEED_WEIGHT / ratio
-    program.cost[least], program.cost[least + 1 :] = -float(count + 1), -1.0
-    program.lower[least:], program.upper[least:] = 0.0, 1.0
-    for k, window in enumerate(windows, least + 1):
+    program.cost[smallest_share], program.cost[smallest_share + 1 :] = -float(count + 1), -1.0
+    program.lower[smallest_share:], program.upper[smallest_share:] = 0.0, 1.0
+    for k, window in enumerate(windows, smallest_share + 1):
         margin = min(WINDOW_MARGIN, (window.maximum - window.minimum) / 2)
         after = margin if window.minimum > TOLERANCE else 0.0
         before = margin if window.maximum < 1 - TOLERANCE else 0.0
         row, ones = [[*window.legs, k]], np.ones(len(window.legs))
         program.add_rows(row, np.append(ones, -after), window.minimum, np.inf)
         program.add_rows(row, np.append(ones, before), -np.inf, window.maximum)
-        program.add_rows([[k, least]], [1.0, -1.0], 0.0, np.inf)
+        program.add_rows([[k, smallest_share]], [1.0, -1.0], 0.0, np.inf)
     return program.solve()
 
 
@@ -268,12 +268,14 @@ def mission_obstacles(
     moment.
     """
     event_knots = {START: knots[0], **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
-    whole = max(math.ceil(mission.start_delay * segments), math.floor(around))
+    whole_segments = max(math.ceil(mission.start_delay * segments), math.floor(around))
     knot_margin = 2.0 * plan.speed / segments * around
     obstacles: list[TimedObstacle] = []
     for number, hold in enumerate(plan.skeleton.holds):
         first, last = event_knots[hold.first], event_knots[hold.last]
-        active, margin = _active_coefficients(hold, first, last, segments=segments, around=whole, knot_margin=knot_margin)
+        active, margin = _active_coefficients(
+            hold, first, last, segments=segments, around=whole_segments, knot_margin=knot_margin
+        )
         obstacles += mission.states[hold.state].as_timed_obstacles(arena, f"{number}", active, margin)
     return tuple(obstacles)
 
