@@ -268,13 +268,13 @@ def mission_obstacles(
     moment.
     """
     event_knots = {START: knots[0], **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
-    whole_segments = max(math.ceil(mission.start_delay * segments), math.floor(around))
+    segments_around = max(math.ceil(mission.start_delay * segments), math.floor(around))
     knot_margin = 2.0 * plan.speed / segments * around
     obstacles: list[TimedObstacle] = []
     for number, hold in enumerate(plan.skeleton.holds):
         first, last = event_knots[hold.first], event_knots[hold.last]
         active, margin = _active_coefficients(
-            hold, first, last, segments=segments, around=whole_segments, knot_margin=knot_margin
+            hold, first, last, segments=segments, around=segments_around, knot_margin=knot_margin
         )
         obstacles += mission.states[hold.state].as_timed_obstacles(arena, f"{number}", active, margin)
     return tuple(obstacles)
