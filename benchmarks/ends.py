@@ -1,11 +1,12 @@
-"""Install the oldest allowed versions of the dependencies in a new environment, then the newest, and check generated/ with both.
+"""Install the oldest admitted versions of the dependencies in a new environment, then the newest, and use the tool with both.
 
     python -m benchmarks ends
 
-Controllers of the refined design must have the same bytes. Two kinds of files may differ, and are counted: those of the adaptive
-and the literal design, because some versions of CasADi write x + x as 2 * x; and the results that the self-test of a double
-accepts, whose enclosures depend on the version of FLINT. What --json prints must be one JSON document, so no library may print.
-The exit code is 1 where another file differs, or where --json prints something else.
+With each end `check` builds generated/ again, `make demo` is repeated, and every command prints its JSON. Controllers of the
+refined design must have the same bytes. Two kinds of files may differ, and are counted: those of the adaptive and the literal
+design, because some versions of CasADi write x + x as 2 * x; and the results that the self-test of a double accepts, whose
+enclosures depend on the version of FLINT. What --json prints must be one JSON document, and no library may print or warn beside
+it. The exit code is 1 where another file differs, a command fails, or something else is printed.
 """
 
 from __future__ import annotations
@@ -26,52 +27,117 @@ EXPECTED_DIFFERENCES = {  # by reason: paths in generated/
 }
 
 
+NOISE = re.compile(r"warning|banner|copyright|running highs", re.I)  # in what a library prints by itself
+NO_TOOL = 4  # exit code where an emulator is missing
+OMNI, C_FILE = "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2"
+JSON_COMMANDS = {  # arguments of each command that has --json
+    "design": [OMNI],
+    "generate": [OMNI, "--out", "{out}"],
+    "simulate": [OMNI],
+    "report": [OMNI, "--out", "{out}/page.html"],
+    "map": ["{out}/room.yaml", "--picture", "{out}"],
+    "schema": [],
+    "check": ["{out}/recorded"],
+    "certify": [OMNI, f"{C_FILE}.c", f"{C_FILE}.certificate.json"],
+    "compare": [OMNI, "--points", "100"],
+    "lag": ["{out}/step.csv"],
+    "pil": [OMNI, "--board", "m4f"],
+    "prove": [OMNI],
+    "theorem": [OMNI, f"{C_FILE}.c"],
+}
+
+
+def requirements() -> list[str]:
+    """Return the ranges of the dependencies."""
+    ranges: list[str] = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    return ranges
+
+
 def lower_ends() -> list[str]:
-    """Return the requirement of the oldest allowed version of each dependency."""
-    ranges = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
-    return [re.sub(r">=([\w.]+).*", r"==\1", requirement) for requirement in ranges]
+    """Return the requirement of the oldest admitted version of each dependency."""
+    return [re.sub(r">=([\w.]+).*", r"==\1", requirement) for requirement in requirements()]
 
 
-def newest_versions() -> list[str]:
-    """Return the names of the dependencies, of which pip installs the newest versions."""
-    ranges = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
-    return [re.sub(r"[><=!~].*", "", requirement) for requirement in ranges]
-
-
-def holds_with(requirements: list[str]) -> bool:
-    """Check generated/ and --json in a new environment with these versions; print the number of differences of each kind."""
+def holds_with(versions: list[str]) -> bool:
+    """Use the tool in a new environment with these versions. Return whether all is as it should be; print what is not."""
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([sys.executable, "-m", "venv", folder], check=True)
         python = Path(folder) / "bin" / "python"
-        print(f"installing {', '.join(requirements)} ...", flush=True)
-        install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-        subprocess.run([*install, *requirements, "hatchling", "editables"], check=True)
+        print(f"installing {', '.join(versions)} ...", flush=True)
+        install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--upgrade"]
+        subprocess.run([*install, *versions, "hatchling", "editables"], check=True)
         subprocess.run([*install, "--no-deps", "--no-build-isolation", "-e", ROOT], check=True)
-        command = [python, "-m", "stt_codegen.cli"]
-        result = subprocess.run([*command, "check", ROOT / "generated"], capture_output=True, text=True, check=False)
-        design = [*command, "design", ROOT / "tasks" / "omni_s2.toml", "--json"]
-        printed = subprocess.run(design, capture_output=True, text=True, check=True).stdout
+        listing = subprocess.run([python, "-m", "pip", "list", "--format", "freeze"], capture_output=True, text=True, check=True)
+        print(", ".join(listing.stdout.split()))
+        return all([_has_same_files(python), _prints_json(python), _runs_demo(python)])
+
+
+def _has_same_files(python: Path) -> bool:
+    """Check generated/; print the number of differences of each kind."""
+    command = [python, "-m", "stt_codegen.cli", "check", ROOT / "generated"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
     names = DIFFERENCE.findall(result.stdout + result.stderr)
     if result.returncode not in (0, 1) or (result.returncode == 1 and not names):
-        sys.exit(result.stdout + result.stderr)
+        print(result.stdout + result.stderr)
+        return False
     unexpected = set(names)
     for reason, pattern in EXPECTED_DIFFERENCES.items():
         expected = {name for name in unexpected if pattern.match(name)}
         unexpected -= expected
         print(f"{len(expected):3} files differ: {reason}")
     print(f"{len(unexpected):3} other files differ", *sorted(unexpected), sep="\n    ")
-    try:
-        json.loads(printed)
-    except ValueError as error:
-        print(f"--json does not print one document: {error}\n{printed[:200]}")
-        return False
-    print("--json prints one document")
     return not unexpected
 
 
+def _prints_json(python: Path) -> bool:
+    """Run every command with --json; print those whose output is more than one document, or that fail or let a library speak."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder)
+        (out / "step.csv").write_text(
+            "t,u,y\n" + "".join(f"{k / 100},{int(k > 5)},{1 - 0.9 ** max(k - 5, 0)}\n" for k in range(99))
+        )
+        (out / "room.yaml").write_text("image: room.pgm\nresolution: 0.1\norigin: [0, 0, 0]\noccupied_thresh: 0.65\n"
+                                       "free_thresh: 0.196\nnegate: 0\n")  # fmt: skip
+        (out / "room.pgm").write_bytes(b"P5 8 8 255\n" + bytes([254] * 20 + [0] * 4 + [254] * 40))
+        base = [python, "-m", "stt_codegen.cli"]
+        subprocess.run([*base, "generate", OMNI, "--record", out / "recorded"], cwd=ROOT, capture_output=True, check=True)
+        is_good = True
+        for name, arguments in JSON_COMMANDS.items():
+            words = [*base, name, *(text.format(out=out) for text in arguments)]
+            if name != "schema":
+                words.append("--json")
+            result = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+            try:
+                json.loads(result.stdout)
+                problem = NOISE.search(result.stderr) or result.returncode not in (0, NO_TOOL)
+            except ValueError as error:
+                problem = str(error)
+            if problem:
+                print(f"{name} --json, exit code {result.returncode}: {problem}\n{result.stdout[:200]}\n{result.stderr[:400]}")
+                is_good = False
+    print(f"{len(JSON_COMMANDS)} commands with --json: {'one document each' if is_good else 'see above'}")
+    return is_good
+
+
+def _runs_demo(python: Path) -> bool:
+    """Repeat `make demo` in a scratch copy of tasks/; print what fails or warns."""
+    makefile = (ROOT / "Makefile").read_text()
+    recipe = makefile.split("\ndemo:")[1].split("\n\n")[0]
+    tasks = makefile.split("CASE_STUDY := ")[1].split("\n")[0]
+    lines = [line.strip().removeprefix("@") for line in recipe.splitlines()[2:]]
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "tasks").symlink_to(ROOT / "tasks")
+        script = "\n".join(line.replace("$(BIN)", str(python.parent)).replace("$$", "$") for line in lines)
+        script = script.replace("$(CASE_STUDY)", tasks)
+        result = subprocess.run(["sh", "-ec", script], cwd=folder, capture_output=True, text=True, check=False)
+    is_good = result.returncode == 0 and not NOISE.search(result.stderr)
+    print("demo: good" if is_good else f"demo, exit code {result.returncode}:\n{result.stderr[-600:]}")
+    return is_good
+
+
 def main() -> None:
-    """Check with the oldest versions, then with the newest."""
-    sys.exit(0 if all([holds_with(lower_ends()), holds_with(newest_versions())]) else 1)
+    """Use the oldest versions, then the newest."""
+    sys.exit(0 if all([holds_with(lower_ends()), holds_with(requirements())]) else 1)
 
 
 if __name__ == "__main__":

@@ -9,13 +9,16 @@ import sys
 
 import numpy as np
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from benchmarks.command_line import suites
+from benchmarks.ends import JSON_COMMANDS
 from benchmarks.suites.arenas import USUAL_PARTS, ArenaJob, ArenaPart, ArenaResult, run_arena, run_jobs, summarize
 from benchmarks.suites.command import ArenaOptions, parts_of
 from benchmarks.suites.families import FAMILIES, arena_task, cubes, is_feasible
 from benchmarks.suites.report import number, record, table
+from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
 from tests.support.controllers import ROOT
 
@@ -147,3 +150,9 @@ def test_benchmarks_are_listed_and_the_option_help_runs_none() -> None:
     for name in ("ends", "lemma_mutants"):  # without a parser of their own
         help_output = run(name, "--help")
         assert (help_output.returncode, f"python -m benchmarks {name}" in help_output.stdout) == (0, True)
+
+
+def test_both_ends_of_the_dependencies_use_every_command_that_prints_json() -> None:
+    commands = typer.main.get_command(app).commands  # type: ignore[attr-defined]
+    with_json = {name for name, command in commands.items() if any("--json" in option.opts for option in command.params)}
+    assert set(JSON_COMMANDS) == with_json | {"schema"}  # which is JSON by itself
