@@ -68,6 +68,10 @@ def parse(text: str) -> Task:
     return parse_task(text)
 
 
+# How a caller asks for a longer search, and for the tube as it is; refusals name it.
+LONGER, AS_IT_IS = "effort=SECONDS", "uncertified=True makes the controller as it is, with a banner"
+
+
 def _load_if_path(task: Task | str | Path) -> Task:
     """Return the task itself, or the task in the file of that path."""
     if isinstance(task, Task):
@@ -101,7 +105,7 @@ def design(task: Task | str | Path, *, effort: float = DEFAULT_SECONDS) -> Desig
     """
     task = _load_if_path(task)
     pipeline.require_supported(task)
-    return pipeline.design_tube(task, Effort(effort))
+    return pipeline.design_tube(task, Effort(effort, longer=LONGER))
 
 
 def certify(task: Task | str | Path, tube: Design) -> Certificate:
@@ -159,7 +163,9 @@ def build(task: Task | str | Path, *, uncertified: bool = False, effort: float =
     True
     """
     source = None if isinstance(task, Task) else Path(task).resolve()
-    return _controller(pipeline.build_task(_load_if_path(task), uncertified, effort=Effort(effort)), source)
+    return _controller(
+        pipeline.build_task(_load_if_path(task), uncertified, effort=Effort(effort, longer=LONGER, as_it_is=AS_IT_IS)), source
+    )
 
 
 def _controller(emitted: pipeline.EmittedController, source: Path | None = None) -> Controller:

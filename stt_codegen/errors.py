@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from fractions import Fraction
 
 
@@ -27,7 +27,7 @@ class Reason:
     problem: what is wrong, where, and the value found beside the value allowed. hint: what may help, where no remedy was tried.
     codes: of the properties that fail, such as "P9"; none where the cause is not known so exactly. axis: from 0, the one that
     fails; None for all or for another cause. has_remedy: False where no option of the task can help. sufficient: keys of the task
-    with values that the search for a reason found to be enough.
+    with values that the search for a reason found to be enough. about: keys that the problem is about.
     """
 
     problem: str
@@ -37,6 +37,7 @@ class Reason:
     axis: int | None = None
     has_remedy: bool = True
     sufficient: tuple[tuple[str, Fraction], ...] = ()
+    about: tuple[str, ...] = ()
 
 
 class NotCertified(SttError):
@@ -83,6 +84,8 @@ def about(where: object) -> Iterator[None]:
     """Put the file that they are about before the messages of errors in the block."""
     try:
         yield
+    except NotCertified as refusal:
+        raise NotCertified(replace(refusal.reason, problem=f"{where}: {refusal.reason.problem}")) from None
     except SttError as error:
         raise type(error)(f"{where}: {error}") from None
 
@@ -92,5 +95,7 @@ def noted(notes: Iterable[str]) -> Iterator[None]:
     """Put notes that may explain them behind the messages of errors in the block."""
     try:
         yield
+    except NotCertified as refusal:
+        raise NotCertified(replace(refusal.reason, hint="; note: ".join([refusal.reason.hint, *notes]))) from None
     except SttError as error:
         raise type(error)("; note: ".join([str(error), *notes])) from None

@@ -108,6 +108,8 @@ def build_task(
 
 # ----------------------------------------------------------------------------------------------- tubes that are certified
 
+RELEASED_SECONDS = 3.0  # for the other tubes of a changed task; the next run has more for them
+
 
 @dataclass(frozen=True)
 class Attempt:
@@ -154,17 +156,23 @@ def certified_attempt(task: Task, effort: Effort | None = None, *, accepts_failu
     first, refusal = _first_attempt(task)
     if first is not None and first.certificate.holds:
         return first
-    effort.announce_later(lambda: refusal.reason.problem)
-    with effort.limit(TUBES_SHARE):
-        result = _other_attempt(task, None if first is None else first.design)
+    reason, is_stopped = refusal.reason, False
+    effort.announce_later(lambda: reason.problem)
+    try:
+        with effort.limit(TUBES_SHARE):
+            result = _other_attempt(task, None if first is None else first.design)
+    except KeyboardInterrupt:
+        if not effort.ends_on_interrupt:
+            raise
+        result, is_stopped = None, True
     if result is not None:
-        return replace(result, replaces=_replacement_sentence(result, first, refusal.reason.problem))
-    if first is not None and accepts_failure:
+        return replace(result, replaces=_replacement_sentence(result, first, reason.problem))
+    if first is not None and accepts_failure and not is_stopped:
         return first
-    with effort.limit(CHANGES_SHARE):
-        reason = _with_remedies(task, refusal.reason)
-    if first is not None and first.certificate.is_law_defined:
-        reason = replace(reason, hint=f"{reason.hint} (--uncertified writes the tube as it is, with a banner)")
+    if not is_stopped:
+        reason = _with_remedies(task, reason, effort)
+    if first is not None and first.certificate.is_law_defined and effort.as_it_is:
+        reason = replace(reason, hint=f"{reason.hint} ({effort.as_it_is})".lstrip())
     raise NotCertified(reason)
 
 
@@ -180,12 +188,12 @@ def _first_attempt(task: Task) -> tuple[Attempt | None, NotCertified]:
 def _other_attempt(task: Task, first: Design | None) -> Attempt | None:
     """Return the first of the other tubes that the task leaves open which is certified; None where none is, or time is over.
 
-    Their order is fixed, so the time decides whether there is a tube, and never which.
+    Their order is fixed, so the time decides whether a certified tube is reached, and never which.
     """
     alternatives = STAGES[task.tube.design].alternatives
     if alternatives is None:
         return None
-    with suppress(NotCertified, EffortSpent, KeyboardInterrupt):
+    with suppress(NotCertified, EffortSpent):
         for design in alternatives(task, first):
             with suppress(BadInput):  # integers may not hold this tube's numbers
                 result = _certified_with(task, design)
@@ -207,6 +215,8 @@ def _replacement_sentence(taken: Attempt, first: Attempt | None, problem: str) -
         changes.append(f"{taken.design.size} in place of {first.design.size}")
     if taken.design.filter != first.design.filter:
         changes.append("other filter rates")
+    if not changes:
+        changes.append("another plan")
     return f"the preferred tube is not certified ({problem}); taken: one with {', '.join(changes)}"
 
 
@@ -219,25 +229,30 @@ def _certified_with(task: Task, design: Design) -> Attempt | None:
     return result if result.certificate.holds else None
 
 
-def _with_remedies(task: Task, reason: Reason) -> Reason:
+def _with_remedies(task: Task, reason: Reason, effort: Effort) -> Reason:
     """Return the reason with changes of the task that were tried to the end, in place of the hint what may help."""
-    from stt_codegen.remedies import Trials, find_remedies
+    from stt_codegen.remedies import CertificationTests, find_remedies
 
     if not reason.has_remedy:
         return reason
-    return replace(reason, hint=find_remedies(task, reason, Trials(_quick_test(), _is_certified)).sentence(reason.hint))
+    tests = CertificationTests(_quick_test(task), lambda changed: _is_certified(changed, task))
+    with effort.limit(CHANGES_SHARE):
+        remedies = find_remedies(task, reason, tests, effort.ends)
+    return replace(reason, hint=remedies.sentence(reason.hint, effort.longer))
 
 
-def _quick_test() -> Callable[[Task], bool]:
-    """Return a test whether a task has a tube, and whether the input is strong and quick enough for it.
+def _quick_test(original: Task) -> Callable[[Task], bool]:
+    """Return a test whether a changed task has a tube, and whether the input is strong and quick enough for it.
 
     It remembers its answers, for many changes of a task leave its tube as it is.
     """
     answers: dict[tuple[object, ...], bool] = {}
 
     def may_be_certified(task: Task) -> bool:
-        """Return the answer for one task."""
+        """Return the answer for one task; it may be yes where the change leaves other tubes open."""
         require_supported(task)
+        if _leaves_more_tubes_open(task, original):
+            return True
         with suppress(NotCertified):
             design = preferred_tube(task)
             may_hold = STAGES[design.kind].may_hold
@@ -252,12 +267,29 @@ def _quick_test() -> Callable[[Task], bool]:
     return may_be_certified
 
 
-def _is_certified(task: Task) -> bool:
-    """Return whether a task is certified with its preferred tube. Raises `BadInput` where it fits together no longer."""
+def _is_certified(task: Task, original: Task) -> bool:
+    """Return whether a changed task is certified with its preferred tube, or with another one that only the change leaves open.
+
+    Raises `BadInput` where it fits together no longer.
+    """
     require_supported(task)
-    with suppress(NotCertified):
-        return attempt(task, preferred_tube(task)).certificate.holds
-    return False
+    first, _ = _first_attempt(task)
+    if first is not None and first.certificate.holds:
+        return True
+    if not _leaves_more_tubes_open(task, original):
+        return False
+    with Effort(RELEASED_SECONDS).limit(1.0):
+        return _other_attempt(task, None if first is None else first.design) is not None
+
+
+def _leaves_more_tubes_open(task: Task, original: Task) -> bool:
+    """Return whether a changed task leaves an option of the tube open that the original states."""
+    return any(_is_stated(original, key) and not _is_stated(task, key) for key in ("prefer", "filter", "segments"))
+
+
+def _is_stated(task: Task, key: str) -> bool:
+    tube = task.as_stated.tube
+    return key in tube.model_fields_set and getattr(tube, key) not in (None, "auto")
 
 
 def require_supported(task: Task) -> None:

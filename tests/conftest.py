@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from collections.abc import Callable
 
 import pytest
@@ -22,7 +23,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(autouse=True)
 def longer_effort(monkeypatch: pytest.MonkeyPatch) -> None:
     """Give the search for remedies more time than a user waits, so that no refusal depends on how busy the machine is."""
-    monkeypatch.setattr("stt_codegen.effort.effort.DEFAULT_SECONDS", 20.0)
+    monkeypatch.setattr("stt_codegen.effort.effort.DEFAULT_SECONDS", 60.0)
+    if "stt_codegen.cli.options" in sys.modules:
+        monkeypatch.setattr("stt_codegen.cli.options.DEFAULT_SECONDS", 60.0)
+    if "stt_codegen.api" in sys.modules:
+        for function in (sys.modules["stt_codegen.api"].build, sys.modules["stt_codegen.api"].design):
+            monkeypatch.setitem(function.__kwdefaults__, "effort", 60.0)
 
 
 @pytest.fixture

@@ -28,7 +28,7 @@ class Finding:
     on the slack, which is smallest in the time interval `time` (seconds), in `dimension` (from 1) and at `obstacle`. Where it
     fails, margin and place are those of one failure, not necessarily the worst. advice: what may help; empty for the property's
     own. problem: what is wrong, with the value found and the value allowed; empty for the statement with what is missing.
-    sufficient: keys of the task with values with which it would hold.
+    sufficient: keys of the task with values with which it would hold. about: keys that the problem is about.
     """
 
     subject: Property
@@ -42,6 +42,7 @@ class Finding:
     advice: str = ""
     problem: str = ""
     sufficient: tuple[tuple[str, Fraction], ...] = ()
+    about: tuple[str, ...] = ()
     in_time: bool = False  # margin and required are seconds
 
     @property
@@ -83,7 +84,7 @@ class Finding:
         location, unit = self.location(axes), " s" if self.is_in_seconds else ""
         at = f" at {location}" if location else ""
         missing = f"{decimal(self.required - self.margin)}{unit} is missing"
-        return f"{self.subject.label}{at}: it must be shown that {self.statement}; {missing}"
+        return f"{self.subject.label}{at}: {self.statement} is not shown; {missing}"
 
 
 class PathClaim(NamedTuple):
@@ -203,7 +204,8 @@ class Certificate:
             problem = f"holds at samples but cannot be proved between them: {problem}"
         axis = next((f.dimension - 1 for f in failures if f.dimension), None)
         codes, sufficient = tuple(dict.fromkeys(f.code for f in failures)), tuple(v for f in failures for v in f.sufficient)
-        return Reason(problem, ", or ".join(filter(None, hints)), codes=codes, axis=axis, sufficient=sufficient)
+        about = tuple(key for f in failures for key in f.about)
+        return Reason(problem, ", or ".join(filter(None, hints)), codes=codes, axis=axis, sufficient=sufficient, about=about)
 
     @property
     def failures(self) -> tuple[Finding, ...]:

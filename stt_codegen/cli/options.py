@@ -75,10 +75,20 @@ def counted(number: int, thing: str) -> str:
     return f"{number} {thing}" + ("" if number == 1 else "s")
 
 
-def effort_for(task: Path, seconds: float = DEFAULT_SECONDS) -> Effort:
-    """Return the effort of a search for another way, which says why it goes on."""
-    end = f"looking for what would do, for about {seconds:g} s; Ctrl-C ends the search"
-    return Effort(seconds, lambda reason: say(f"{task}: {reason}; {end}"))
+def effort_for(task: Path, seconds: float | None = None, has_uncertified: bool = True) -> Effort:
+    """Return the effort of a search for another way, which says why it goes on.
+
+    seconds: those of --effort; None for a command without it. has_uncertified: whether the command has --uncertified.
+    """
+    limit = DEFAULT_SECONDS if seconds is None else seconds
+    end = f"looking for what would do, for about {limit:g} s; Ctrl-C ends the search"
+    return Effort(
+        limit,
+        lambda reason: say(f"{task}: {reason}; {end}"),
+        ends_on_interrupt=True,
+        longer="" if seconds is None else "--effort SECONDS",
+        as_it_is="--uncertified writes the tube as it is, with a banner" if has_uncertified else "",
+    )
 
 
 @contextmanager

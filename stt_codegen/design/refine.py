@@ -17,6 +17,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -67,7 +68,9 @@ def alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDes
     for order 2 other filter rates. Tubes that are no better for the period than the first are left out. Every tube is rounded
     and has its filter. first: None where there is none.
     """
-    result = _search_or_refuse(task)
+    result = _search(task)
+    if result is None:
+        return
     search = without_solver_cache(result.search)
     allowance = Fraction(search.arena.allowance) * Fraction(search.arena.length_unit)
     strength_of_first = None if first is None else strength_of(task, first, allowance)
@@ -111,11 +114,15 @@ def _filtered_or_none(task: Task, search: TubeSearch, tube: SplineTube) -> Refin
 
 def _search_or_refuse(task: Task) -> _SearchResult:
     """Return the preferred tube. Raises `NotCertified` where there is none; its reason is worked out when it is read."""
-    arena = _normalised_arena(task)
-    result = _search_preferred(task, arena)
+    result = _search(task)
     if result is None:
-        raise NotCertified(lambda: explain_refusal(task, arena, _has_tube))
+        raise NotCertified(lambda: explain_refusal(task, _normalised_arena(task), _has_tube))
     return result
+
+
+@lru_cache(maxsize=1)  # a search for other tubes begins with the result for the first one
+def _search(task: Task) -> _SearchResult | None:
+    return _search_preferred(task, _normalised_arena(task))
 
 
 def refine_with_allowance(task: Task, rounding_allowance_factor: int) -> RefinedDesign | None:

@@ -28,11 +28,16 @@ class Effort:
     """The seconds that a command may take where its task is refused, from its begin; a design that is not refused takes what it
     takes.
 
-    say: prints the first reason while the search goes on; None for silence.
+    say: prints the first reason while the search goes on; None for silence. ends_on_interrupt: whether Ctrl-C ends the search
+    with what is known, as on the command line; in Python the interrupt is the caller's. longer, as_it_is: how the caller asks for
+    a longer search and for the tube as it is, which refusals name; empty where it cannot.
     """
 
     seconds: float = field(default_factory=lambda: DEFAULT_SECONDS)
     say: Callable[[str], None] | None = None
+    ends_on_interrupt: bool = False
+    longer: str = ""
+    as_it_is: str = ""
     _begin: float = field(default_factory=time.monotonic)
     _reason: Callable[[], str] | None = None
 
@@ -44,6 +49,11 @@ class Effort:
     def announce_later(self, reason: Callable[[], str]) -> None:
         """Say the reason once, as soon as the search has lasted for a while."""
         self._reason = self._reason or reason
+
+    @property
+    def ends(self) -> tuple[type[BaseException], ...]:
+        """The exceptions at which a search ends with what is known."""
+        return (EffortSpent, KeyboardInterrupt) if self.ends_on_interrupt else (EffortSpent,)
 
     @contextmanager
     def limit(self, share: float) -> Iterator[None]:

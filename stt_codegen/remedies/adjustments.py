@@ -23,7 +23,9 @@ RAISING = tuple(Fraction(v) for v in ("1.1", "1.5", "2.5", "6"))  # times the va
 RAISING_FAR = (*RAISING, *(Fraction(v) for v in ("30", "300", "1e4", "1e6", "1e8")))  # of a limit on the tube
 LOWERING = tuple(Fraction(v) for v in ("0.85", "0.5", "0.2", "0.05"))
 REMOVING = (*LOWERING, Fraction(0))
-RETREATS = tuple(Fraction(v) for v in ("0.999", "0.98", "0.9", "0.7"))  # times a value at which a property would just hold
+RETREATS = tuple(
+    Fraction(v) for v in ("0.999", "0.98", "0.9", "0.7", "0.4", "0.1")
+)  # times a value at which a property would just hold
 SHARES = tuple(Fraction(v) for v in ("0.8", "0.6", "0.4", "0.2"))  # of the start box
 
 EDGES = frozenset(p.code for p in OF_THE_EDGES if p is not Property.START)
@@ -72,7 +74,9 @@ def adjustments_of(task: Task, reason: Reason) -> Iterator[Adjustment]:
     axis, codes = reason.axis, set(reason.codes)
     in_order = (*_settings(task), *_sampling(task), *_times(task), *_tube(task), *_robot(task, axis), *_entries(task))
     known = dict(reason.sufficient)
-    for adjustment in (a for a in in_order if not codes or a.codes & codes):
+    first_keys = set(reason.about)
+    useful = [a for a in in_order if (not codes or a.codes & codes) and not task.overridden_keys & set(a.keys)]
+    for adjustment in sorted(useful, key=lambda a: not first_keys & set(a.keys)):
         if len(adjustment.keys) == 1 and (value := known.get(adjustment.keys[0])) is not None:
             yield _near(task, adjustment, value)
         else:
@@ -80,7 +84,7 @@ def adjustments_of(task: Task, reason: Reason) -> Iterator[Adjustment]:
 
 
 def _near(task: Task, adjustment: Adjustment, value: Fraction) -> Adjustment:
-    """Return the adjustment that tries values at and just below one with which the failing property would hold."""
+    """Return the adjustment that tries values at and below one with which the failing property would hold."""
     table, _, key = adjustment.keys[0].partition(".")
     known = value / getattr(getattr(task, table), key)
     return replace(adjustment, factors=tuple(known * retreat for retreat in RETREATS), unchanged=known)
@@ -91,7 +95,7 @@ def _choice(codes: frozenset[str], key: str, value: Value, remark: str = "") -> 
 
 
 def _scaled(codes: frozenset[str], key: str, value: Numbers, factors: Factors, axis: int | None = None) -> Adjustment:
-    """Return the adjustment that multiplies a number, or the numbers of all axes, or that of one axis."""
+    """Return the adjustment that multiplies a number, or the numbers of all axes, or that of one axis (from 0)."""
 
     def change(factor: Fraction) -> Change:
         if isinstance(value, tuple):
@@ -131,11 +135,23 @@ def _sampling(task: Task) -> Iterator[Adjustment]:
     """Yield quicker sampling, a shorter input delay, and a smaller start share."""
     control, codes = task.as_stated.control, frozenset({PERIOD})
     if control.period is not None:
-        yield _scaled(codes, "control.period", control.period, LOWERING)
+        yield _shorter_periods(task, control.period)
         if control.latency:
             yield _scaled(codes, "control.latency", control.latency, REMOVING)
         if shares := tuple(share for share in SHARES if share < task.initial_set.share):
             yield Adjustment(codes, lambda share: Change((Edit("initial_set.share", share),)), shares, task.initial_set.share)
+
+
+def _shorter_periods(task: Task, period: Fraction) -> Adjustment:
+    """Return the adjustment to a shorter period, which is a number of whole ticks where the task counts them."""
+    tick = task.emit.tick_period
+
+    def change(factor: Fraction) -> Change:
+        shorter = period * factor
+        rounded = _rounded(period, factor) if tick is None else max(shorter // tick, 1) * tick
+        return Change((Edit("control.period", rounded),))
+
+    return Adjustment(frozenset({PERIOD}), change, LOWERING)
 
 
 def _times(task: Task) -> Iterator[Adjustment]:

@@ -17,15 +17,15 @@ from stt_codegen.task import Task
 
 REMEDY_LIMIT = 4  # that a refusal names
 HALVINGS = 4  # to find how little of a change is enough
-Test = Callable[[Task], bool]
+TaskTest = Callable[[Task], bool]
 
 
 @dataclass(frozen=True)
-class Trials:
+class CertificationTests:
     """Two tests of a changed task. may_be_certified: quick, and nearly always right. is_certified: as the next run would."""
 
-    may_be_certified: Test
-    is_certified: Test
+    may_be_certified: TaskTest
+    is_certified: TaskTest
 
     def admits(self, task: Task, change: Change) -> bool:
         """Return whether the quick test admits a change."""
@@ -47,24 +47,31 @@ class Remedies:
     without_success: list[str] = field(default_factory=list)
     is_complete: bool = False
 
-    def sentence(self, hint: str) -> str:
-        """Return the end of a refusal. hint: what may help, for the case that nothing that was tried does."""
-        stopped = "" if self.is_complete else "the time was over before every option was tried (--effort SECONDS)"
+    def sentence(self, hint: str, longer: str) -> str:
+        """Return the end of a refusal.
+
+        hint: what may help, for the case that nothing was tried. longer: how to ask for a longer search; empty where one cannot.
+        """
+        stopped = "" if self.is_complete else "the time was over before every option was tried"
+        stopped += f" ({longer})" if stopped and longer else ""
         if self.changes:
             first, *more = (change.text for change in self.changes)
             return "; ".join(filter(None, (", or ".join((f"certified {first}", *more)), stopped)))
         keys = list(dict.fromkeys(self.without_success))
         tried = f"no change that was tried was enough, of {', '.join(keys)}" if keys else ""
-        return "; ".join(filter(None, (tried, stopped, hint)))
+        return "; ".join(filter(None, (tried, stopped, "" if tried else hint)))
 
 
-def find_remedies(task: Task, reason: Reason, trials: Trials) -> Remedies:
+def find_remedies(
+    task: Task, reason: Reason, trials: CertificationTests, ends: tuple[type[BaseException], ...] = (EffortSpent,)
+) -> Remedies:
     """Return changes with which the task is certified, each verified as the reader will run it.
 
-    The time that is left is `require_effort`'s, which the trials call somewhere; Ctrl-C ends the search as well.
+    The time that is left is `require_effort`'s, which the trials call somewhere. ends: at which exceptions the search ends with
+    what is known.
     """
     remedies = Remedies()
-    with suppress(EffortSpent, KeyboardInterrupt):
+    with suppress(*ends):
         adjustments = list(adjustments_of(task, reason))
         for adjustment in adjustments:
             change = smallest_change(task, adjustment, trials)
@@ -80,7 +87,7 @@ def find_remedies(task: Task, reason: Reason, trials: Trials) -> Remedies:
     return remedies
 
 
-def smallest_change(task: Task, adjustment: Adjustment, trials: Trials) -> Change | None:
+def smallest_change(task: Task, adjustment: Adjustment, trials: CertificationTests) -> Change | None:
     """Return the mildest change of one option with which the task is certified, near the smallest one; None where none is.
 
     Where the time is over, the mildest one that is known by then.
@@ -96,7 +103,7 @@ def smallest_change(task: Task, adjustment: Adjustment, trials: Trials) -> Chang
         return next((change for change in admitted[::-1] if trials.verifies(task, change)), None)
 
 
-def _admitted_changes(task: Task, adjustment: Adjustment, trials: Trials) -> Iterator[Change]:
+def _admitted_changes(task: Task, adjustment: Adjustment, trials: CertificationTests) -> Iterator[Change]:
     """Yield milder and milder changes that the quick test admits.
 
     The strongest step is tried first, for where it fails most milder ones do; then the mildest. Between what fails and what is
@@ -129,7 +136,7 @@ def _admitted_changes(task: Task, adjustment: Adjustment, trials: Trials) -> Ite
             too_little = between
 
 
-def _joint_changes(task: Task, adjustments: Sequence[Adjustment], trials: Trials) -> Iterator[Change]:
+def _joint_changes(task: Task, adjustments: Sequence[Adjustment], trials: CertificationTests) -> Iterator[Change]:
     """Yield one change of several options: all by the same step, then without those that are not needed, the dearest first."""
     distinct = [a for k, a in enumerate(adjustments) if a.keys not in [b.keys for b in adjustments[:k]]]
     for step in range(max((len(a.factors) for a in distinct), default=0)):
@@ -151,7 +158,7 @@ def _joined(parts: Sequence[Change]) -> Change:
     return joined
 
 
-def _holds_with(test: Test, task: Task, change: Change) -> bool:
+def _holds_with(test: TaskTest, task: Task, change: Change) -> bool:
     with suppress(BadInput):
         return test(change.of(task))
     return False

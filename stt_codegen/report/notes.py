@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import lcm
 
-from stt_codegen.certify.missions import is_visit
+from stt_codegen.certify.missions import has_momentary_visit
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.closed_axis_notes import turn_notes
 from stt_codegen.task import Task
@@ -14,8 +14,8 @@ from stt_codegen.task.map import Point, touching_sides, twice_area
 from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, hull_corners
 
 VISIT_NOTE = (
-    "a visit without stay is for a moment, here for as long as costs little speed; stay = 2 in its entry asks for 2 s, "
-    "start_delay = 1 for a margin of 1 s in every time"
+    "a visit without stay may last for a moment only; stay = 2 in its entry asks for 2 s, start_delay = 1 for a margin of 1 s in "
+    "every time"
 )
 
 
@@ -24,8 +24,7 @@ def controller_notes(controller: EmittedController) -> Iterator[str]:
     yield from task_notes(controller.task)
     if controller.replaces:
         yield controller.replaces
-    mission = controller.certificate.mission
-    if mission is not None and any(is_visit(witness) for entry in mission.witnesses for witness in entry):
+    if any(has_momentary_visit(formula) for formula in controller.task.formulas):
         yield VISIT_NOTE
 
 

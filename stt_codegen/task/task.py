@@ -43,6 +43,7 @@ class Task(TaskTables):
     _as_stated: Task | None = PrivateAttr(default=None)
     _before_choice: tuple[ControlOptions, PlantBounds] | None = PrivateAttr(default=None)
     _closed_axes: tuple[ClosedAxis, ...] = PrivateAttr(default=())
+    _overridden_keys: frozenset[str] = PrivateAttr(default=frozenset())
     _images: tuple[SetImage, ...] = PrivateAttr(default=())
 
     @model_validator(mode="wrap")
@@ -149,6 +150,7 @@ class Task(TaskTables):
         overrides = ({"scalar": scalar} if scalar else {}) | ({language: True} if language else {})
         emit = stated.emit.model_copy(update=overrides) if overrides else stated.emit
         changed = stated.model_copy(update={"tube": tube, "emit": emit})
+        changed._overridden_keys = frozenset(({"tube.design"} if design else set()) | ({"emit.scalar"} if scalar else set()))
         if self._with_outline is not None:  # what `changed` starts from
             changed._with_outline = self._with_outline.model_copy(update={"tube": tube, "emit": emit})
         if self.periodic:  # the error of unwrapping depends on the scalar
@@ -166,6 +168,11 @@ class Task(TaskTables):
         if problem:
             raise BadInput(problem)
         return changed
+
+    @property
+    def overridden_keys(self) -> frozenset[str]:
+        """The keys of the task file that options of the command line stand for: changing them in the file changes nothing."""
+        return self._overridden_keys
 
     def with_gain(self, gain: Sequence[Fraction]) -> Task:
         """Return the task, with the same digest, with this gain by component in place of its own."""

@@ -472,7 +472,7 @@ def test_the_notes_before_a_loop_name_its_starts() -> None:
 def test_where_no_limit_outweighs_the_coupling_the_refusal_asks_for_less_coupling() -> None:
     text = text_of("limited").replace(ORDER_TWO, ORDER_TWO + "g_cross = {}\n")
     coupled = parse_task(text.format(1))
-    assert "f, w and coupling leave -" in refusal_of(coupled)
+    assert "f, w and coupling take all of u_max = " in refusal_of(coupled)
     assert [list(remedy) for remedy in follow_remedies(coupled)] == [["plant.g_cross"]]
     remedies = follow_remedies(parse_task(text.format(0.3)).changed(control={"u_max": "0.8"}))
     assert ["control.u_max"] in [list(remedy) for remedy in remedies]

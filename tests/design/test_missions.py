@@ -20,12 +20,15 @@ from hypothesis import strategies as st
 
 from benchmarks.mission_mutants import judge_mutant
 from benchmarks.suites.scenarios import SCENARIO_FAMILIES, random_mission
-from stt_codegen.certify.missions.schedule import describe_entry, phases, served_entries
+from stt_codegen.certify.missions.schedule import describe_entry, has_momentary_visit, phases, served_entries
 from stt_codegen.certify.monitor import holds, satisfied
 from stt_codegen.checker import check_files
 from stt_codegen.constraints import mission_avoidances
 from stt_codegen.design.mission_search import MissionSearch
-from stt_codegen.design.missions import TIME_MARGIN_SPEED
+from stt_codegen.design.missions import TIME_MARGIN_SPEED, Plan, Skeleton
+from stt_codegen.design.missions.orders import Stop
+from stt_codegen.design.missions.plans import _pauses
+from stt_codegen.design.missions.skeleton import Hold
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.effort import Effort
 from stt_codegen.errors import BadInput, NotCertified
@@ -540,6 +543,34 @@ def test_visits_are_longer_than_a_moment_and_off_the_ends_of_their_windows_for_l
     assert max(controller.certificate.speed) <= Fraction(TIME_MARGIN_SPEED) * max(hurried.certificate.speed)
     assert hurried.certificate.mission is not None
     assert proof.time_margin > 10 * hurried.certificate.mission.time_margin
+
+
+@pytest.mark.parametrize(
+    ("entry", "is_momentary"),
+    [
+        ('visit = "dock"', True),
+        ('visit = "dock", stay = 2', False),
+        ('visit = "dock", stay = 2, then = "exit"', True),
+        ('never = "lab", before = "dock"', True),
+        ('never = "lab"', False),
+        ('patrol = ["dock"], every = 9', True),
+        ('formula = "eventually[4, 9] always[0, 2] dock and always not lab"', False),
+        ('formula = "always (lab -> eventually[0, 3] (dock and always[0, 2] not lab))"', True),
+    ],
+)
+def test_the_note_on_stays_is_for_missions_with_a_visit_at_one_moment(entry: str, is_momentary: bool) -> None:
+    task = parse_task(f"{COURIER[: COURIER.index('mission = [')]}mission = [{{ {entry} }}]\n")
+    assert any(has_momentary_visit(formula) for formula in task.formulas) == is_momentary
+
+
+def test_stops_at_one_place_have_one_pause_whichever_of_them_is_the_visit() -> None:
+    """The legs are long, and then of no length; the last stop is the visit."""
+    stops = tuple(Stop(event, np.zeros((0, 2))) for event in (2, 3, 4))
+    state = next(iter(state_formulas_of(parse_task(COURIER).formula)))  # type: ignore[arg-type]
+    for visit in (2, 3, 4):
+        skeleton = Skeleton(5).with_hold(Hold(state, visit, visit))
+        plan = Plan(skeleton, np.zeros(2), stops, (1.0, 0.0, 0.0), 1.0)
+        assert list(_pauses(plan, [True, False, False])) == [1.0, 0.0, 0.0]
 
 
 def test_a_tube_without_margin_in_time_is_taken_where_only_that_is_slow_enough(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +17,10 @@ from stt_codegen.design.linear_programs.solver import LinearProgram
 from stt_codegen.effort import Effort, EffortSpent, require_effort
 from stt_codegen.errors import NotCertified, Reason
 from stt_codegen.pipeline import build_task
-from stt_codegen.remedies import Trials, find_remedies
-from stt_codegen.task import Task, parse_task
-from tests.support.controllers import controller_of
+from stt_codegen.remedies import CertificationTests, find_remedies
+from stt_codegen.remedies.adjustments import adjustments_of
+from stt_codegen.task import Task, load_task, parse_task
+from tests.support.controllers import ROOT, controller_of
 
 TOO_LONG = Reason("control.period is too long", codes=("P9",))
 SLOW = Reason("no tube was found within tube.max_speed", codes=("P6",))
@@ -36,7 +38,7 @@ def period_of(task: Task) -> Fraction:
 def test_the_mildest_change_that_holds_is_named_to_within_its_halvings() -> None:
     for longest in ("0.9", "0.31", "0.07"):
         is_short = lambda task, longest=longest: period_of(task) <= Fraction(longest)  # noqa: E731
-        (change,) = find_remedies(sampled_task(), TOO_LONG, Trials(is_short, is_short)).changes
+        (change,) = find_remedies(sampled_task(), TOO_LONG, CertificationTests(is_short, is_short)).changes
         ((key, value),) = change.edits
         assert key == "control.period"
         assert isinstance(value, Fraction)
@@ -46,25 +48,25 @@ def test_the_mildest_change_that_holds_is_named_to_within_its_halvings() -> None
 def test_a_change_that_the_quick_test_admits_and_the_certificate_refuses_is_not_named() -> None:
     """The stronger change that is certified is named in its place."""
     may_hold, holds = (lambda task: period_of(task) <= Fraction("0.5")), (lambda task: period_of(task) <= Fraction("0.3"))
-    (change,) = find_remedies(sampled_task(), TOO_LONG, Trials(may_hold, holds)).changes
+    (change,) = find_remedies(sampled_task(), TOO_LONG, CertificationTests(may_hold, holds)).changes
     assert holds(change.of(sampled_task()))
-    assert not find_remedies(sampled_task(), TOO_LONG, Trials(may_hold, lambda _: False)).changes
+    assert not find_remedies(sampled_task(), TOO_LONG, CertificationTests(may_hold, lambda _: False)).changes
 
 
 def test_where_no_option_alone_is_enough_several_change_together_and_none_that_could_stay() -> None:
     def holds(task: Task) -> bool:
         return period_of(task) <= Fraction("0.5") and task.prescribed_time >= 20
 
-    (change,) = find_remedies(sampled_task(), TOO_LONG, Trials(holds, holds)).changes
+    (change,) = find_remedies(sampled_task(), TOO_LONG, CertificationTests(holds, holds)).changes
     assert {edit.key for edit in change.edits} == {"control.period", "prescribed_time"}
     assert holds(change.of(sampled_task()))
 
 
 def test_a_search_that_finds_nothing_names_what_it_tried() -> None:
     task = arena_task(FAMILIES["paper"], 0).changed(tube={"max_speed": "0.1"})
-    sentence = find_remedies(task, SLOW, Trials(lambda _: False, lambda _: False)).sentence("widen it")
+    sentence = find_remedies(task, SLOW, CertificationTests(lambda _: False, lambda _: False)).sentence("widen it", "")
     assert sentence.startswith("no change that was tried was enough, of ")
-    assert sentence.endswith("; widen it")
+    assert "widen it" not in sentence  # a hint that nobody tried, behind what was tried
     assert "prescribed_time" in sentence
     assert "tube.max_speed" in sentence
 
@@ -79,9 +81,10 @@ def test_the_search_ends_when_its_time_is_over_with_what_it_knows() -> None:
             raise EffortSpent
         return period_of(task) <= Fraction("0.9")
 
-    remedies = find_remedies(sampled_task(), TOO_LONG, Trials(may_hold, lambda _: True))
+    remedies = find_remedies(sampled_task(), TOO_LONG, CertificationTests(may_hold, lambda _: True))
     assert not remedies.is_complete
-    assert "--effort SECONDS" in remedies.sentence("")
+    assert remedies.sentence("", "--effort SECONDS").endswith("tried (--effort SECONDS)")
+    assert remedies.sentence("", "").endswith("before every option was tried")
     assert [edit.key for change in remedies.changes for edit in change.edits] == ["control.period"]
 
 
@@ -173,3 +176,69 @@ def test_design_certify_and_build_agree_about_the_tube(order_two: bool) -> None:
     design = pipeline.design_tube(task)
     assert design == build_task(task).design
     assert pipeline.attempt(task, design).certificate.holds
+
+
+def test_a_search_without_time_ends_in_the_reason() -> None:
+    """Working out a reason takes linear programs, which the limit of the search must not end."""
+    for task in (arena_task(FAMILIES["paper"], 0).changed(tube={"max_speed": "0.1"}), sampled_task("5")):
+        with pytest.raises(NotCertified, match="the time was over before every option was tried"):
+            build_task(task, effort=Effort(0.0))
+
+
+@pytest.mark.parametrize("stage", ["_other_attempt", "_is_certified"])
+def test_ctrl_c_ends_the_search_on_the_command_line_and_is_the_callers_in_python(
+    stage: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(pipeline, stage, interrupt)
+    task = sampled_task("5")
+    for is_wanted in (True, False):  # a tube that fails is not the answer to Ctrl-C, --uncertified or not
+        if stage == "_is_certified" and is_wanted:
+            continue  # then there is no search for changes
+        with pytest.raises(NotCertified, match="control.period = 5 s is too long"):
+            build_task(task, is_wanted, effort=Effort(ends_on_interrupt=True))
+        with pytest.raises(KeyboardInterrupt):
+            build_task(task, is_wanted, effort=Effort())
+
+
+def test_an_option_of_the_command_line_is_no_key_of_the_file_to_change() -> None:
+    task = load_task(ROOT / "tasks" / "omni_s2.toml")
+    keys = {key for a in adjustments_of(task.with_options("literal", "float"), Reason("")) for key in a.keys}
+    assert "prescribed_time" in keys
+    assert not keys & {"tube.design", "emit.scalar"}
+    stated = task.changed(tube={"design": "literal"}, emit={"scalar": "float"})
+    assert {"tube.design", "emit.scalar"} <= {key for a in adjustments_of(stated, Reason("")) for key in a.keys}
+
+
+def test_shorter_periods_are_whole_ticks() -> None:
+    task = load_task(ROOT / "tasks" / "crane.toml")
+    tick = task.emit.tick_period
+    assert tick is not None
+    task = task.changed(control={"period": f"{float(40 * tick):g}"})
+    (adjustment,) = (a for a in adjustments_of(task, Reason("", codes=("P9",))) if a.keys == ("control.period",))
+    periods = [adjustment.change(factor).edits[0].value for factor in (*adjustment.factors, Fraction(1, 1000))]
+    assert all(isinstance(v, Fraction) and v > 0 and (v / tick).denominator == 1 for v in periods)
+
+
+def test_a_change_that_leaves_other_tubes_open_is_tried_with_them() -> None:
+    """The preferred tube of the changed task is the one that fails; the next run would try others."""
+    task = parse_task(task_text("inertia", 29)).changed(tube={"prefer": "balanced"})
+    with pytest.raises(NotCertified, match=r"certified without tube\.prefer"):
+        build_task(task)
+
+
+def test_the_key_that_the_problem_is_about_is_tried_first() -> None:
+    task = sampled_task("0.01").changed(plant={"lag": "0.4"})
+    first = next(adjustments_of(task, Reason("", codes=("P9",), about=("plant.lag",))))
+    assert first.keys == ("plant.lag",)
+
+
+def test_a_refusal_keeps_its_parts_when_it_is_about_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "slow.toml"
+    path.write_text((ROOT / "tasks" / "omni_s2.toml").read_text().replace("[tube]", "[tube]\nmax_speed = 0.1", 1))
+    with pytest.raises(NotCertified) as refusal:
+        pipeline.build(path, effort=Effort(0.0))
+    assert refusal.value.reason.codes
+    assert str(refusal.value).startswith(f"{path}: ")

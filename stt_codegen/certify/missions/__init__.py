@@ -5,7 +5,7 @@ from stt_codegen.certify.missions.schedule import (
     ServedEntry,
     describe_entry,
     describe_visit,
-    is_visit,
+    has_momentary_visit,
     phases,
     served_entries,
 )
@@ -18,7 +18,7 @@ __all__ = [
     "cycle_of",
     "describe_entry",
     "describe_visit",
-    "is_visit",
+    "has_momentary_visit",
     "phases",
     "served_entries",
 ]

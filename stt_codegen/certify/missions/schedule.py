@@ -11,7 +11,7 @@ from stt_codegen.certify.certificate import MissionProof
 from stt_codegen.certify.monitor import Witness
 from stt_codegen.decimals import above, below
 from stt_codegen.task import Task
-from stt_codegen.task.mission import Formula, Or, regions_of
+from stt_codegen.task.mission import Always, And, Eventually, Formula, Or, StateFormula, Until, regions_of
 
 SHORT_VISIT = 0.01  # seconds; a shorter visit is described as a moment
 
@@ -46,6 +46,20 @@ def served_entries(task: Task, proof: MissionProof) -> tuple[ServedEntry, ...]:
 def is_visit(witness: Witness) -> bool:
     """Return whether a witness is about a region that the tube is in; avoiding a region happens at no particular time."""
     return any(not region.is_negated for region in regions_of(witness.state.inner))
+
+
+def has_momentary_visit(formula: Formula) -> bool:
+    """Return whether a formula asks somewhere for a region at one moment, as a visit without a stay does."""
+    match formula:
+        case Eventually(_, part) | Until(_, _, part):
+            at_once = part.parts if isinstance(part, And) else (part,)
+            is_visit = any(isinstance(p, StateFormula) and any(not r.is_negated for r in regions_of(p.inner)) for p in at_once)
+            return is_visit or any(has_momentary_visit(p) for p in at_once)
+        case Always(_, part):
+            return has_momentary_visit(part)
+        case And(parts) | Or(parts):
+            return any(has_momentary_visit(part) for part in parts)
+    return False
 
 
 def _visits(proofs: tuple[Witness, ...]) -> Iterator[Visit]:

@@ -12,6 +12,7 @@ from stt_codegen.sampling import SampledLoop, needed_input
 from stt_codegen.sampling.path import Drive
 from stt_codegen.task import Task
 
+LATE_SHARE = 1 / 8  # of the time in which x crosses the tube: an input that is later may be too late, whatever the gain
 SAMPLE_AGE_SHARE = 0.6  # of the age of a sample, that counts like a delay of the drive
 
 
@@ -26,10 +27,11 @@ class LongestProof(NamedTuple):
 
 
 class PeriodFailure(NamedTuple):
-    """What is wrong, and the axis (from 0) that fails; None for no one axis."""
+    """What is wrong, the axis (from 0) that fails, None for no one axis, and the keys of the task that it is about."""
 
     problem: str
     axis: int | None
+    about: tuple[str, ...] = ()
 
 
 def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) -> PeriodFailure:
@@ -52,9 +54,12 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
         first = f"{task.axis_words[dimension - 1]} fails first, at t in [{begin:.3g}, {end:.3g}] s"
         return PeriodFailure(f"{problem}, where {first}", dimension - 1)
     axis, delay, crossing = _latest_axis(task, loop)
-    problem = f"no period is proved with {gain}: in {task.axis_words[axis]} the input is late by "
-    problem += f"{delay:.3g} s (drive, latency and {SAMPLE_AGE_SHARE:g} of the period); x crosses the tube in {crossing:.3g} s"
-    return PeriodFailure(problem, axis)
+    problem = f"no period is proved with {gain}"
+    if delay < LATE_SHARE * crossing:  # then the gain is to blame
+        return PeriodFailure(problem, None, ("control.gain",))
+    problem += f": in {task.axis_words[axis]} the input is late by {delay:.3g} s "
+    problem += f"(drive, and {SAMPLE_AGE_SHARE:g} of latency and period); x crosses the tube in {crossing:.3g} s"
+    return PeriodFailure(problem, axis, ("control.latency", "plant.lag", "plant.lag2"))
 
 
 def _axis_without_authority(task: Task, loop: SampledLoop) -> int | None:

@@ -62,7 +62,7 @@ def certify_period(
         axis = None if failure.axis is None else failure.axis + 1
         sufficient = () if evidence.longest is None else (("control.period", evidence.longest.seconds),)
         finding = Finding(Property.PERIOD, _statement(task), margin, Fraction(0), dimension=axis, advice=hint)
-        return replace(finding, problem=failure.problem, sufficient=sufficient), None
+        return replace(finding, problem=failure.problem, sufficient=sufficient, about=failure.about), None
     if (lost := lost_turn(task, design, proof)) is not None:
         return _lost_turn_finding(task, lost), None
     if (unseen := _guard_finding(task, design, exact, proof)) is not None:

@@ -26,7 +26,9 @@ def pil(
         from stt_codegen.board.emulated import run_on_board
         from stt_codegen.pipeline import build
 
-        controller = build(task, design, scalar, language="rust" if rust else None, effort=effort_for(task))
+        controller = build(
+            task, design, scalar, language="rust" if rust else None, effort=effort_for(task, has_uncertified=False)
+        )
         rows, costs = run_on_board(controller, BOARDS[board], points, rust)
     good = all(r.holds for r in rows)
     if json:

@@ -159,9 +159,9 @@ def _pauses(plan: Plan, is_moving: Sequence[bool]) -> Array:
     """Return at how many ends of each leg with a length a state must hold at one moment: (legs,)."""
     momentary = {hold.first for hold in plan.skeleton.holds if hold.is_momentary}
     ends = [False, *(stop.event in momentary for stop in plan.stops)]
-    for k, moving in enumerate(is_moving):
-        if not moving:  # both stops are at one place
-            ends[k] = ends[k + 1] = ends[k] or ends[k + 1]
+    still_legs = [k for k, moving in enumerate(is_moving) if not moving]
+    for k in (*still_legs, *reversed(still_legs)):  # stops at one place
+        ends[k] = ends[k + 1] = ends[k] or ends[k + 1]
     return np.array([(ends[k] + ends[k + 1]) * moving for k, moving in enumerate(is_moving)], dtype=float)
 
 
