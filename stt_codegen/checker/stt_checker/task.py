@@ -8,6 +8,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from .bounds import require_bounded
 from .drive import Drive, assumed_plant
 from .exact import Unusable, decimal, number, numbers, vector
 from .keys import KNOWN_KEYS, canonical, refuse_unknown_keys
@@ -30,7 +31,9 @@ class Task:
     """The numbers of a task file by component; sets as what the tube must be in, and what it must avoid."""
 
     def __init__(self, data: bytes) -> None:
-        document = tomllib.loads(data.decode("utf-8-sig"), parse_float=decimal)
+        text = data.decode("utf-8-sig")
+        require_bounded(text)
+        document = tomllib.loads(text, parse_float=decimal)
         self.digest = hashlib.sha256(json.dumps(canonical(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
         refuse_unknown_keys(document)
         self.document, self.name, self.t_c = document, document["name"], number(document["prescribed_time"])

@@ -66,8 +66,8 @@ def prove(
 
 def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
     """Prove the lemmas and write the book, or compare it with what is on disk; return whether all is well."""
+    from stt_codegen.files import write_files
     from stt_codegen.lemmas import Verdict, page, prove_all
-    from stt_codegen.record import write_files
 
     if out.suffix not in (".md", ".tex"):
         raise BadInput(f"--out {out}: the book is written as .md or .tex")
@@ -106,8 +106,8 @@ def _prove_task(
     errors: noise and latency; None is the task's.
     """
     from stt_codegen.cli.show import show_bounds
+    from stt_codegen.files import write_files
     from stt_codegen.plants import plant_of
-    from stt_codegen.record import write_files
     from stt_codegen.report import Analysis
 
     task = controller.task

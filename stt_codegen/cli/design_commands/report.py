@@ -98,6 +98,6 @@ def _run_on_boards(controller: Any, boards: Sequence[str]) -> list[Any]:
 
 
 def _write_page(path: Path, text: bytes) -> None:
-    from stt_codegen.record import write_files
+    from stt_codegen.files import write_files
 
     write_files(path.parent, {path.name: text})
