@@ -70,6 +70,11 @@ def say(text: str) -> None:
         discard(sys.stderr)
 
 
+def print_line(text: str) -> None:
+    """Print a line with paths or texts of files to stdout."""
+    print(printable(text))
+
+
 def print_json(document: Any) -> None:
     """Print a result to stdout."""
     print(json.dumps(document, indent=2, allow_nan=False))

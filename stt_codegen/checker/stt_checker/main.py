@@ -33,28 +33,16 @@ def plain(problem: object) -> str:
     return str(problem).encode("unicode_escape").decode()
 
 
-def answer(text: str, code: int) -> int:
-    """Print a line, to stderr where the code is 2, and return the exit code; it is 2 where the line cannot be written."""
-    stream = sys.stderr if code == 2 else sys.stdout
-    try:
-        print(text, file=stream, flush=True)
-    except OSError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # Python would try again when it ends
-        return 2
-    return code
-
-
-def main(arguments: list[str]) -> int:
-    """Run the check and print one line."""
+def verdict(arguments: list[str]) -> tuple[str, int]:
+    """Run the check. Return a line, and the exit code."""
     if arguments != ["--meaning"] and len(arguments) != 3:
-        return answer((__doc__ or "").strip(), 2)
+        return (__doc__ or "").strip(), 2
     try:
         if arguments == ["--meaning"]:
             from . import meaning
 
             meaning.check_meaning()
-            proved = "the listings compute the tube and the law, and round no more than rounding.py and integers.py say"
-            return answer(f"checker: {proved}", 0)
+            return "checker: the listings compute the tube and the law, and round no more than rounding.py and integers.py say", 0
         limits = (TASK_BYTES, SOURCE_BYTES, CERTIFICATE_BYTES)
         data, text, proof = (read(Path(a), limit) for a, limit in zip(arguments, limits, strict=True))
         task, certificate = Task(data), json.loads(proof)
@@ -64,9 +52,21 @@ def main(arguments: list[str]) -> int:
         certificate = json.loads(proof, parse_float=refuse_decimal, object_pairs_hook=refuse_duplicates)
         proved = check(task, certificate, text, Path(arguments[1]).parent)
     except Refused as problem:
-        return answer(f"checker: refused: {plain(problem)}", 1)
+        return f"checker: refused: {plain(problem)}", 1
     except Exception as problem:  # whatever a file does to the checker, the answer is not "verified"
         reason = f"a file is not of the form that is read here ({type(problem).__name__}: {plain(problem)})"
         reason = f"{plain(problem.filename)} cannot be read ({problem.strerror})" if isinstance(problem, OSError) else reason
-        return answer(f"checker: cannot check: {plain(problem) if isinstance(problem, Unusable) else reason}", 2)
-    return answer(f"checker: verified: {task.name}: {proved}", 0)
+        return f"checker: cannot check: {plain(problem) if isinstance(problem, Unusable) else reason}", 2
+    return f"checker: verified: {task.name}: {proved}", 0
+
+
+def main(arguments: list[str]) -> int:
+    """Print the verdict, to stderr where there is none, and return the exit code; it is 2 where the line cannot be written."""
+    line, code = verdict(arguments)
+    stream = sys.stderr if code == 2 else sys.stdout
+    try:
+        print(line, file=stream, flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # Python would try again when it ends
+        return 2
+    return code

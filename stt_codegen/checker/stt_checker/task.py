@@ -15,6 +15,7 @@ from .keys import KNOWN_KEYS, canonical, refuse_unknown_keys
 from .moving import Course
 from .sets import Inside, Obstacle, axes_of, box, points
 
+LIST_LIMIT = 50_000  # of unsafe sets, which are the longest list of a task
 NARROWEST_WIDTH = Fraction(1, 1 << 18)  # of a tube: the emitted law divides by the width, and takes it as it is
 
 
@@ -34,8 +35,10 @@ class Task:
         text = data.decode("utf-8-sig")
         require_bounded(text)
         document = tomllib.loads(text, parse_float=decimal)
-        self.digest = hashlib.sha256(json.dumps(canonical(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
         refuse_unknown_keys(document)
+        if any(isinstance(value, list) and len(value) > LIST_LIMIT for value in document.values()):
+            raise Unusable(f"the task has a list of more than {LIST_LIMIT}")
+        self.digest = hashlib.sha256(json.dumps(canonical(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
         self.document, self.name, self.t_c = document, document["name"], number(document["prescribed_time"])
         self.state = [number(v) for v in document["initial_state"]]
         n = self.n = len(self.state)

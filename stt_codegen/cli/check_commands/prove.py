@@ -18,6 +18,7 @@ from stt_codegen.cli.options import (
     effort_for,
     patience,
     print_json,
+    print_line,
     say,
 )
 from stt_codegen.errors import BadInput
@@ -88,7 +89,7 @@ def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
             print(f"{sum(e.verdict is verdict for e in entries):4d} {verdict.value}")
         for e in still_open:
             print(f"open: {e.lemma.name}: {'; '.join(e.outcome.evidence)}")
-        print(f"{out}: {_file_state(out, check, differs)}")
+        print_line(f"{out}: {_file_state(out, check, differs)}")
     return not still_open and not differs
 
 
@@ -124,5 +125,5 @@ def _prove_task(
         print_json({**report.document(), "file_differs": differs})
     else:
         show_bounds(report)
-        print(f"{path}: {_file_state(path, check, differs)}")
+        print_line(f"{path}: {_file_state(path, check, differs)}")
     return report.all_hypotheses_hold and not differs

@@ -20,6 +20,7 @@ from stt_codegen.cli.options import (
     one_of,
     patience,
     print_json,
+    print_line,
     say,
 )
 from stt_codegen.effort import DEFAULT_SECONDS
@@ -71,7 +72,7 @@ def generate(
         certified = controller.certificate.holds
         written.append({"task": name, "certified": certified, "folder": str(folder), "files": list(files)})
         if not json:
-            print(f"{name}: {'certified' if certified else 'NOT CERTIFIED'}; {', '.join(files)} in {folder}")
+            print_line(f"{name}: {'certified' if certified else 'NOT CERTIFIED'}; {', '.join(files)} in {folder}")
             if package == "ros2":
                 print(f"{name}: {interface_of(controller.task)}")
     if json:
