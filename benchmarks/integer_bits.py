@@ -187,7 +187,7 @@ def c_hashes(controller: EmittedController, board: Board | None, inputs: int) ->
         for file, data in controller.files.items():
             Path(folder, file).write_bytes(data)
         driver_file = Path(folder, "driver.c")
-        driver_file.write_text((HOST if board is None else '#include "board.h"\n') + driver_text(controller, inputs))
+        driver_file.write_text((HOST if board is None else '#include "stt-board.h"\n') + driver_text(controller, inputs))
         image, c_files = Path(folder, "image.elf"), [str(driver_file), str(Path(folder, f"{name}.c"))]
         if board is None:
             run_compiler(["cc", *CFLAGS, f"-I{folder}", *c_files, "-o", str(image)])

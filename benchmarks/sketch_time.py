@@ -29,9 +29,9 @@ from stt_codegen.board.emulated import DECORATION, Emulated
 from stt_codegen.certify.missions.proof import cycle_of
 from stt_codegen.compare.integer_comparison import ticks_and_states
 from stt_codegen.errors import MissingTool
+from stt_codegen.files import write_files
 from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.program.targets.python.runner import GeneratedPython
-from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
 from stt_codegen.record.sketch import loop_times
 from stt_codegen.record.uno import RELATIVE_ERROR, step_cycles

@@ -544,7 +544,7 @@ class Controller(pipeline.EmittedController):
         ...     [path.name for path in build("tasks/omni_s2.toml").write(folder)]
         ['omni_s2.h', 'omni_s2.c', 'omni_s2.py', 'omni_s2.certificate.json']
         """
-        from stt_codegen.record import write_files
+        from stt_codegen.files import write_files
 
         write_files(Path(folder), self.files)
         return [Path(folder) / name for name in self.files]
@@ -642,8 +642,8 @@ class Controller(pipeline.EmittedController):
         """
         import webbrowser
 
+        from stt_codegen.files import write_files
         from stt_codegen.plants import plant_of
-        from stt_codegen.record import write_files
         from stt_codegen.report import design_report
         from stt_codegen.report.page import evidence, page
 

@@ -15,7 +15,7 @@ class Board:
     title: str
     compiler: str
     flags: tuple[str, ...]
-    sources: tuple[str, ...]  # templates beside board.h
+    sources: tuple[str, ...]  # templates beside stt-board.h
     header: str
     libraries: tuple[str, ...]
     command: tuple[str, ...]  # the image is appended
@@ -25,7 +25,7 @@ class Board:
     point_bytes: int = 1 << 20  # for the points of one image
     scalars: tuple[str, ...] = ("float", "double")
     missing_functions: tuple[str, ...] = ()  # of its C library
-    painted_stack: int = 4096  # bytes that board.h paints, to see how far the stack reaches
+    painted_stack: int = 4096  # bytes that stt-board.h paints, to see how far the stack reaches
     rust_target: str = ""  # Rust's name of a target with the same calling convention
 
 
@@ -119,12 +119,15 @@ def rust_boards() -> list[str]:
 
 
 def copy_board(board: Board, folder: Path) -> tuple[list[str], list[str]]:
-    """Copy start-up code and header (as board.h) to `folder`; return the paths of the sources, and the linker's arguments."""
+    """Copy start-up code and header (as stt-board.h) to `folder`; return the paths of the sources, and the linker's arguments.
+
+    Their names have a hyphen, so that no task is called so.
+    """
     from stt_codegen.program.targets.template_files import template_folder
 
     templates = template_folder() / "board"
     for name in (*board.sources, *(v for v in board.libraries if v.endswith(".ld"))):
-        shutil.copy(templates / name, folder)
-    shutil.copy(templates / board.header, folder / "board.h")
-    libraries = [str(folder / v) if v.endswith(".ld") else v for v in board.libraries]
-    return [str(folder / name) for name in board.sources], libraries
+        shutil.copy(templates / name, folder / f"stt-{name}")
+    shutil.copy(templates / board.header, folder / "stt-board.h")
+    libraries = [str(folder / f"stt-{v}") if v.endswith(".ld") else v for v in board.libraries]
+    return [str(folder / f"stt-{name}") for name in board.sources], libraries

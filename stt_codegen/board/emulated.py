@@ -182,8 +182,8 @@ def build_image(
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
     sources, libraries = copy_board(board, folder)
-    (folder / "harness.c").write_text(_harness(program, f, words))
-    sources.append(str(folder / "harness.c"))
+    (folder / "stt-harness.c").write_text(_harness(program, f, words))
+    sources.append(str(folder / "stt-harness.c"))
     sources += board_objects(controller, board.rust_target, folder) if rust else [str(folder / f"{program.prefix}.c")]
     image = folder / "image.elf"
     without_unused = ("-Wl,--gc-sections",) if rust else ()  # Rust's core library is larger than a board's memory

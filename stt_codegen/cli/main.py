@@ -9,12 +9,14 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+from contextlib import suppress
 from typing import Annotated, Any
 
 import typer
 
 from stt_codegen.cli import check_commands, design_commands
 from stt_codegen.cli.options import print_json, say
+from stt_codegen.cli.streams import discard, prepare_streams
 from stt_codegen.errors import SttError
 
 app = typer.Typer(
@@ -74,33 +76,46 @@ def run(commands: typer.Typer, program: str) -> None:
 
     Warnings of libraries are for developers: STT_CODEGEN_DEBUG=1 shows them.
     """
-    if not os.environ.get("STT_CODEGEN_DEBUG"):
+    prepare_streams()
+    is_debug = bool(os.environ.get("STT_CODEGEN_DEBUG"))
+    if not is_debug:
         warnings.simplefilter("ignore")
     try:
-        sys.exit(_exit_code(commands, program))
-    except UsageError as error:
-        error.show()
-        if "--json" in sys.argv:
-            print_json({"error": error.format_message(), "exit_code": 2})
-        sys.exit(2)
-    except SttError as error:
-        say(f"{program}: {error}")
-        if "--json" in sys.argv:
-            print_json({"error": str(error), "exit_code": error.exit_code})
-        sys.exit(error.exit_code)
+        code = _exit_code(commands, program)
     except BrokenPipeError:  # the reader closed the pipe, which is no error
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
-    except OSError as error:
-        say(f"{program}: the output cannot be written ({error.strerror})")
-        sys.exit(2)
+        discard(sys.stdout)
+        code = 0
     except KeyboardInterrupt:
-        sys.exit(130)
-    except Exception as error:
-        if os.environ.get("STT_CODEGEN_DEBUG"):
+        code = 130
+    except (Exception, RecursionError) as error:
+        if is_debug and not isinstance(error, (UsageError, SttError, OSError)):
             raise
-        say(
-            f"stt-codegen: internal error: {type(error).__name__}: {error}; "
-            "please report it with the traceback that STT_CODEGEN_DEBUG=1 shows"
-        )
-        sys.exit(5)
+        code = _report(error, program)
+    sys.exit(code)
+
+
+def _report(error: Exception, program: str) -> int:
+    """Print the message of an error, with --json also as a document, and return its exit code."""
+    if isinstance(error, UsageError):
+        text, code = error.format_message(), 2
+        with suppress(OSError):
+            error.show()
+    elif isinstance(error, SttError):
+        text, code = str(error), error.exit_code
+        say(f"{program}: {text}")
+    elif isinstance(error, OSError):
+        text, code = f"the output cannot be written ({error.strerror})", 2
+        say(f"{program}: {text}")
+    elif isinstance(error, MemoryError):
+        text, code = "the memory is not enough for this task; try a smaller one, or a machine with more", 2
+        say(f"{program}: {text}")
+    else:
+        text, code = f"internal error: {type(error).__name__}: {error}", 5
+        say(f"stt-codegen: {text}; please report it with the traceback that STT_CODEGEN_DEBUG=1 shows")
+    try:
+        if "--json" in sys.argv and code != 5:
+            print_json({"error": text, "exit_code": code})
+        sys.stdout.flush()
+    except OSError:
+        discard(sys.stdout)
+    return code

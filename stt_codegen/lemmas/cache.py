@@ -10,12 +10,14 @@ import hashlib
 import json
 import os
 import platform
-import tempfile
 from importlib.metadata import version
 from pathlib import Path
 
+from stt_codegen.errors import BadInput
+from stt_codegen.files import json_object, read_input, write_files
 from stt_codegen.lemmas.lemma import Outcome, Verdict
 
+CACHE_SIZE_LIMIT = 16_000_000  # bytes
 PROVERS = ("sympy", "mpmath", "python-flint", "casadi", "numpy")
 
 
@@ -47,13 +49,13 @@ class Cache:
         if fresh:
             return
         try:
-            document = json.loads(self.path.read_bytes())
+            document = json_object(read_input(self.path, CACHE_SIZE_LIMIT, "delete it"))
             if document["key"] == self.key:
                 self.outcomes = {
                     name: Outcome(Verdict(verdict), method, tuple(lines))
                     for name, (verdict, method, lines) in document["outcomes"].items()
                 }
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        except (BadInput, ValueError, KeyError, TypeError, AttributeError):
             self.outcomes = {}
 
     def get(self, name: str) -> Outcome | None:
@@ -70,9 +72,6 @@ class Cache:
             return
         outcomes = {name: (o.verdict.value, o.method, o.evidence) for name, o in self.outcomes.items()}
         try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile("w", dir=self.path.parent, delete=False) as file:
-                json.dump({"key": self.key, "outcomes": outcomes}, file)
-            os.replace(file.name, self.path)
-        except OSError:
+            write_files(self.path.parent, {self.path.name: json.dumps({"key": self.key, "outcomes": outcomes}).encode()})
+        except BadInput:
             return

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from stt_codegen.errors import BadInput
+from stt_codegen.files import write_files
 from stt_codegen.loop.foretold import describe_proof, drives_of
 from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import Loop, Run, Scenario, scenario_of_task
 from stt_codegen.loop.traces import trace_csv
 from stt_codegen.pipeline import EmittedController, build_program, certify, render_files
 from stt_codegen.plants import Model, Plant, plant_of
-from stt_codegen.record import write_files
 from stt_codegen.report import Analysis
 from stt_codegen.sampling import choose_proved_gain
 from stt_codegen.task import DriveBounds, Task

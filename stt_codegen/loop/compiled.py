@@ -111,9 +111,9 @@ def has_constant_dynamics(plant: Model, dimension: int, order: int = 1) -> bool:
 def _compiled_driver(source: str) -> Any:
     """Compile the loop with the C of a plant, and return its `loop_run`."""
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "plant.c").write_text(source)
+        Path(folder, "stt-plant.c").write_text(source)
         compiled, sources = f"{folder}/loop.so", template_folder() / "loop"
-        files = [f"{folder}/plant.c", str(sources / "loop.c")]
+        files = [f"{folder}/stt-plant.c", str(sources / "loop.c")]
         run_compiler([find_compiler(), *FLAGS, f"-I{sources}", *files, "-o", compiled, "-lm"])
         library = ctypes.CDLL(compiled)
     run = library.loop_run
@@ -135,8 +135,8 @@ def load_controller(controller: EmittedController) -> LoadedController:
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)
-        Path(folder, "adapter.c").write_text(adapter_source(controller.task, controller.design, controller.certificate))
-        sources = [f"{folder}/{name}" for name in ("adapter.c", *driven_sources(controller.task))]
+        Path(folder, "stt-adapter.c").write_text(adapter_source(controller.task, controller.design, controller.certificate))
+        sources = [f"{folder}/{name}" for name in ("stt-adapter.c", *driven_sources(controller.task))]
         run_compiler([find_compiler(), *FLAGS, *sources, "-o", f"{folder}/controller.so", "-lm"])
         library = ctypes.CDLL(f"{folder}/controller.so")
     if outside != "return":

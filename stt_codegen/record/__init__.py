@@ -1,6 +1,5 @@
 """Write files: packages for build systems and simulators, recorded folders and their comparison with what is built now."""
 
-from stt_codegen.record.files import write_files
 from stt_codegen.record.manifest import folder_of, record
 from stt_codegen.record.overwriting import refuse_to_overwrite_certified, refuse_to_overwrite_inputs, require_distinct_paths
 from stt_codegen.record.package import package
@@ -17,5 +16,4 @@ __all__ = [
     "refuse_to_overwrite_inputs",
     "require_distinct_paths",
     "sketch_notes",
-    "write_files",
 ]

@@ -27,6 +27,7 @@ from stt_codegen.record.manifest import (
     tool_versions,
 )
 
+SIZE_MARGIN = 1_000_000  # bytes; files that are larger than expected by more are not compared line by line
 DIFF_LINES = 40  # of one file that are shown; all other lines are counted
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?F?\b")
 _HASH = re.compile(r'"[0-9a-f]{16}"|"[0-9a-f]{64}"')
@@ -131,6 +132,8 @@ def _compare_file(root: Path, path: str, expected: bytes) -> list[Difference]:
     file = root / path
     if not file.is_file():
         return [Difference(path, "is missing")]
+    if file.stat().st_size > len(expected) + SIZE_MARGIN:
+        return [Difference(path, f"differs, and is {file.stat().st_size:,} bytes long instead of {len(expected):,}")]
     actual = file.read_bytes()
     if actual == expected:
         return []

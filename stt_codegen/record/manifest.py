@@ -11,17 +11,19 @@ import importlib.metadata
 import json
 import os
 import platform
+from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
 from typing import Any
 
 from stt_codegen import __version__
 from stt_codegen.errors import BadInput
+from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, read_input, write_files
 from stt_codegen.pipeline import EmittedController, build
-from stt_codegen.record.files import write_files
 
 MANIFEST = "MANIFEST.json"
 MANIFEST_FORMAT = 1
+SIZE_LIMIT = 16_000_000  # bytes of a manifest; a folder takes about a kilobyte
 TOOLS = ("casadi", "highspy", "jinja2", "numpy")
 
 
@@ -43,6 +45,12 @@ def record(root: Path, task_file: Path, controller: EmittedController, uncertifi
 
     Raises `BadInput` where another task file of this name is recorded.
     """
+    with locked([root]):
+        return _record(root, task_file, controller, uncertified)
+
+
+def _record(root: Path, task_file: Path, controller: EmittedController, uncertified: bool) -> Path:
+    """Record a controller, as `record` does, while no one else writes the manifest."""
     task = controller.task
     name = folder_of(controller)
     entries = {e.folder: e for e in read_manifest(root)} if (root / MANIFEST).exists() else {}
@@ -85,12 +93,14 @@ def tool_versions() -> dict[str, str]:
 def read_manifest(root: Path) -> list[RecordedFolder]:
     """Return the recorded folders. Raises `BadInput` when there is no readable manifest."""
     path = root / MANIFEST
+    if root.is_file():
+        raise BadInput(f"{root}: is a file; give the folder that holds {MANIFEST}")
     try:
-        document = json.loads(path.read_bytes())
+        document = json_object(read_input(path, SIZE_LIMIT, f"make one with: stt-codegen generate TASK --record {root}"))
         if document["format"] != MANIFEST_FORMAT:
             problem = f"has format {document['format']!r:.20}, this version writes {MANIFEST_FORMAT}"
             raise BadInput(f"{path}: {problem}; record the tasks again")
-        return [
+        entries = [
             RecordedFolder(
                 folder=str(folder),
                 task=str(data["task"]),
@@ -101,32 +111,36 @@ def read_manifest(root: Path) -> list[RecordedFolder]:
             )
             for folder, data in document["folders"].items()
         ]
-    except OSError as error:
-        if root.is_file():
-            raise BadInput(f"{root}: is a file; give the folder that holds {MANIFEST}") from None
-        raise BadInput(
-            f"{path}: cannot be read ({error.strerror}); make one with: stt-codegen generate TASK --record {root}"
-        ) from None
     except (ValueError, KeyError, TypeError, AttributeError):
         raise BadInput(f"{path}: is not a manifest of this tool; delete it and record the tasks again") from None
+    for entry in entries:  # `--accept` removes files by these names
+        for name in (entry.folder, *entry.sha256):
+            if Path(name).is_absolute() or ".." in Path(name).parts or not Path(name).parts or "\0" in name:
+                raise BadInput(f"{path}: has the path {name!r:.60}, which leaves its folder; record the tasks again")
+    return entries
 
 
 def recorded_tools(root: Path) -> dict[str, str]:
     """Return the tool versions that the manifest names."""
-    tools = json.loads((root / MANIFEST).read_bytes()).get("tools")
+    tools = json_object(read_input(root / MANIFEST, SIZE_LIMIT, "record the tasks again")).get("tools")
     return {str(k): str(v) for k, v in tools.items()} if isinstance(tools, dict) else {}
 
 
 def remove_folder(root: Path, folder: str) -> None:
-    """Remove a recorded folder from the manifest, and its recorded files; other files in it stay."""
-    entries = {e.folder: e for e in read_manifest(root)}
-    for name in entries.pop(folder).sha256:
-        (root / folder / name).unlink(missing_ok=True)
-    for path in (root / folder, *(root / folder).parents):
-        if path == root or not path.is_dir() or any(path.iterdir()):
-            break
-        path.rmdir()
-    write_files(root, {MANIFEST: _manifest_text(entries)})
+    """Remove a recorded folder from the manifest, and its recorded files, certificates first; other files in it stay."""
+    with locked([root]):
+        entries = {e.folder: e for e in read_manifest(root)}
+        recorded_files = entries.pop(folder).sha256 if folder in entries else {}
+        if (root / folder).is_dir():
+            with locked([root / folder]):
+                for name in sorted(recorded_files, key=lambda name: not name.endswith(CERTIFICATE_SUFFIX)):
+                    (root / folder / name).unlink(missing_ok=True)
+        for path in (root / folder, *(root / folder).parents):
+            if path == root or not path.is_dir() or any(path.iterdir()):
+                break
+            with suppress(OSError):  # another command writes into it at this moment
+                path.rmdir()
+        write_files(root, {MANIFEST: _manifest_text(entries)})
 
 
 def build_again(root: Path, entry: RecordedFolder) -> EmittedController | None:

@@ -8,19 +8,20 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
 import os
 import zipfile
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from stt_codegen.errors import BadInput
-from stt_codegen.record.files import CERTIFICATE_SUFFIX
+from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, read_input
 from stt_codegen.task.map import input_files
 
 UNIT_SUFFIX = ".fmu"
+SIZE_LIMIT = 64_000_000  # bytes of a file that is read here
 
 
 def require_distinct_paths(names: Sequence[str], file_sets: Sequence[Mapping[str, bytes]]) -> None:
@@ -50,7 +51,7 @@ def refuse_to_overwrite_inputs(paths: Sequence[Path], tasks: Sequence[Path]) -> 
         if path.resolve() in inputs:
             raise BadInput(f"{path}: is what the task is read from; write to another folder or name")
         is_python_beside = path.suffix == ".py" and path.resolve().parent in task_folders and path.exists()
-        if is_python_beside and b"DESIGN_HASH" not in path.read_bytes():
+        if is_python_beside and b"DESIGN_HASH" not in read_input(path, SIZE_LIMIT, "write to another --out"):
             raise BadInput(f"{path}: is no emitted controller, perhaps a plant; write to another --out")
 
 
@@ -69,10 +70,11 @@ def refuse_to_overwrite_certified(folder: Path, files: Mapping[str, bytes]) -> N
                     "write this to another --out"
                 )
     for certificate in (path for path in files if path.endswith(CERTIFICATE_SUFFIX)):
-        for name, digest in _json_object(files[certificate]).get("sha256", {}).items():
+        for name, digest in _hashes(_json_object(files[certificate])).items():
             for path in _possible_paths(certificate, name):
-                with suppress(OSError):
-                    if path not in files and hashlib.sha256((folder / path).read_bytes()).hexdigest() != digest:
+                if path not in files and (folder / path).is_file():
+                    data = read_input(folder / path, SIZE_LIMIT, "remove it, or write to another --out")
+                    if hashlib.sha256(data).hexdigest() != digest:
                         raise BadInput(
                             f"{folder / path}: is of another design than the new {certificate}, and would stay beside it; "
                             "remove it, or write to another --out"
@@ -83,18 +85,16 @@ def _certificates_with(folder: Path, path: str) -> Iterator[tuple[str, dict[str,
     """Yield the certificates, with their paths, of the certified sets that the file now at `path` belongs to."""
     file = folder / path
     if path.endswith(UNIT_SUFFIX):
-        with suppress(OSError):
-            certificate = _unit_certificate(file.read_bytes())
-            if certificate.get("certified") is True:
-                yield path, certificate
+        certificate = _unit_certificate(_content(file))
+        if certificate.get("certified") is True:
+            yield path, certificate
         return
     for relative_folder in (".", "../extras"):
         for candidate in sorted((file.parent / relative_folder).glob(f"*{CERTIFICATE_SUFFIX}")) if file.exists() else ():
-            with suppress(OSError):
-                certificate = _json_object(candidate.read_bytes())
-                has_file = candidate.name == file.name or file.name in certificate.get("sha256", {})
-                if certificate.get("certified") is True and has_file:
-                    yield Path(os.path.relpath(candidate, folder)).as_posix(), certificate
+            certificate = _json_object(_content(candidate))
+            has_file = candidate.name == file.name or file.name in _hashes(certificate)
+            if certificate.get("certified") is True and has_file:
+                yield Path(os.path.relpath(candidate, folder)).as_posix(), certificate
 
 
 def _possible_paths(certificate: str, name: str) -> Iterator[str]:
@@ -108,16 +108,29 @@ def _possible_paths(certificate: str, name: str) -> Iterator[str]:
 def _json_object(data: bytes) -> dict[str, Any]:
     """Return the JSON object, such as a certificate; empty where the data is none."""
     with suppress(ValueError):
-        document = json.loads(data)
-        if isinstance(document, dict):
-            return document
+        return json_object(data)
     return {}
+
+
+def _hashes(certificate: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the hashes of a certificate by file, empty where it has none."""
+    hashes = certificate.get("sha256")
+    return hashes if isinstance(hashes, dict) else {}
+
+
+def _content(path: Path) -> bytes:
+    """Return the content of a file, empty where it is missing, larger than any that this package writes, or no file."""
+    with suppress(BadInput):
+        return read_input(path, SIZE_LIMIT, "") if path.is_file() else b""
+    return b""
 
 
 def _unit_certificate(data: bytes) -> dict[str, Any]:
     """Return the certificate inside a unit of FMI, empty where it has none."""
-    with suppress(OSError, KeyError, zipfile.BadZipFile), zipfile.ZipFile(io.BytesIO(data)) as unit:
+    damages = (OSError, KeyError, ValueError, NotImplementedError, RuntimeError, EOFError, zipfile.BadZipFile, zlib.error)
+    with suppress(*damages), zipfile.ZipFile(io.BytesIO(data)) as unit:
         for name in unit.namelist():
             if name.startswith("resources/") and name.endswith(CERTIFICATE_SUFFIX):
-                return _json_object(unit.read(name))
+                with unit.open(name) as file:  # a packed file may be a thousand times larger
+                    return _json_object(file.read(SIZE_LIMIT))
     return {}

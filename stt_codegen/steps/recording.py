@@ -13,9 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stt_codegen.errors import BadInput
+from stt_codegen.files import decode, read_input
 
 QUANTITIES = ("time", "command", "response")
 COMMENT_MARKS = ("#", "%")
+RECORD_SIZE_LIMIT = 32_000_000  # bytes
+ROWS_LIMIT = 500_000  # a row takes about a kilobyte of memory while it is read
 
 
 @dataclass(frozen=True)
@@ -32,13 +35,8 @@ class StepRecord:
 
 def read_record(path: Path, columns: Sequence[str] = ()) -> StepRecord:
     """Read a file. Raises `BadInput` with the file and the line; `parse_record` explains `columns`."""
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError as error:
-        raise BadInput(f"{path}: is no text in UTF-8 (byte {error.start + 1}); save the record as CSV") from None
-    return parse_record(text, str(path), columns)
+    remedy = f"give a record as CSV of at most {ROWS_LIMIT:,} rows"
+    return parse_record(decode(path, read_input(path, RECORD_SIZE_LIMIT, remedy), remedy), str(path), columns)
 
 
 def parse_record(text: str, name: str = "record", columns: Sequence[str] = ()) -> StepRecord:
@@ -48,6 +46,8 @@ def parse_record(text: str, name: str = "record", columns: Sequence[str] = ()) -
     the text is no record; the message begins with `name`.
     """
     lines = [(k, line.strip()) for k, line in enumerate(text.splitlines(), 1)]
+    if len(lines) > ROWS_LIMIT:
+        raise BadInput(f"{name}: has {len(lines):,} lines; at most {ROWS_LIMIT:,} are read, keep the rows about the step")
     rows = [(k, line) for k, line in lines if line and not line.startswith(COMMENT_MARKS)]
     first = next((j for j, (_, line) in enumerate(rows) if _is_number(_cells(line)[0])), None)
     if first is None:

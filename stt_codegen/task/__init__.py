@@ -10,6 +10,7 @@ from stt_codegen.task.keys import task_keys
 from stt_codegen.task.load import json_schema, load_task, parse_task
 from stt_codegen.task.schema import DriveBounds
 from stt_codegen.task.task import Task
+from stt_codegen.task.task_text import read_task_text
 
 __all__ = [
     "SET_TURNS_LIMIT",
@@ -22,6 +23,7 @@ __all__ = [
     "map",
     "mission",
     "parse_task",
+    "read_task_text",
     "require_offered",
     "sets",
     "task_keys",

@@ -7,25 +7,19 @@ api.py call it.
 from __future__ import annotations
 
 import json
-import tomllib
-from decimal import Decimal
 from pathlib import Path
 
-from stt_codegen.errors import BadInput, about, noted
+from stt_codegen.errors import about, noted
+from stt_codegen.files import parse_toml
 from stt_codegen.task.task import Task
+from stt_codegen.task.task_text import read_task_text
 from stt_codegen.task.values import FILE
 
 
 def load_task(path: str | Path) -> Task:
     """Read and check a task file. Raises `BadInput` where the file cannot be read or the task is refused."""
     path = Path(path)
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror}); give the path of a task file") from None
-    except UnicodeDecodeError as error:
-        raise BadInput(f"{path}: byte {error.start} is not UTF-8; save the file as UTF-8") from None
-    return parse_task(text, str(path), path.parent)
+    return parse_task(read_task_text(path), str(path), path.parent)
 
 
 def parse_task(text: str, source: str = "task", folder: Path | None = None) -> Task:
@@ -33,15 +27,8 @@ def parse_task(text: str, source: str = "task", folder: Path | None = None) -> T
 
     source: the name of the text in messages; folder: where the files of maps are, the current folder if absent.
     """
-    try:
-        document = tomllib.loads(text, parse_float=Decimal)
-    except tomllib.TOMLDecodeError as error:
-        last_line = text.count("\n") + 1
-        reason = str(error).replace("at end of document", f"at line {last_line}, the end of the file")
-        raise BadInput(f"{source}: not valid TOML: {reason}") from None
-    except (ValueError, ArithmeticError, RecursionError):
-        raise BadInput(f"{source}: not valid TOML: a number is too long or the nesting is too deep") from None
     with about(source):
+        document = parse_toml(text)
         if "map" not in document:
             return Task.model_validate(document, context={FILE: True})
         from stt_codegen.task.map import expand_maps, to_toml

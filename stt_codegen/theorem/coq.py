@@ -18,13 +18,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from stt_codegen import checker
-from stt_codegen.errors import BadInput, MissingTool
+from stt_codegen.errors import MissingTool
+from stt_codegen.files import read_input
 from stt_codegen.lemmas import folder as cache_folder
 from stt_codegen.theorem.reading import Unread
 from stt_codegen.theorem.text import theorem_text
 
 DEBIAN_PACKAGES = "coq libcoq-coquelicot libcoq-flocq"
 QUIET_OPTIONS = ("-q", "-w", "-ambiguous-paths,-abstract-large-number")
+SIZE_LIMIT = 16_000_000  # bytes of each file that is read
 FILE_TIME_LIMIT = 600  # seconds for a file; the slowest of the library takes 20
 ACCEPTED_AXIOMS = frozenset(  # of Coq's real numbers, and of Coquelicot's limits on them
     "ClassicalDedekindReals.sig_not_dec ClassicalDedekindReals.sig_forall_dec "
@@ -180,10 +182,8 @@ def check_theorems(task: Path, source: Path, certificate: Path) -> CoqVerdict:
     file cannot be read; `MissingTool`.
     """
     find_coqc()
-    try:
-        contents = [path.read_bytes() for path in (task, source.with_suffix(".h"), source, certificate)]
-    except OSError as problem:
-        raise BadInput(f"{problem.filename} cannot be read ({problem.strerror})") from problem
+    remedy = "give a task, the C that was generated from it, and the files beside it"
+    contents = [read_input(path, SIZE_LIMIT, remedy) for path in (task, source.with_suffix(".h"), source, certificate)]
     try:
         text = theorem_text(*contents)
     except Unread as problem:

@@ -1,7 +1,6 @@
 /* A Cortex-M under QEMU: output by semihosting, SysTick counts on the processor's clock (25.6 ticks an instruction with
  * -icount shift=10). */
-#ifndef BOARD_H
-#define BOARD_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -54,4 +53,3 @@ static inline void board_stop(void)
     (void)board_call(0x20, reason);
 }
 
-#endif

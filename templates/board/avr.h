@@ -1,6 +1,5 @@
 /* An ATmega328P under simavr: output over the UART, Timer1 counts cycles. */
-#ifndef BOARD_H
-#define BOARD_H
+#pragma once
 
 #include <avr/interrupt.h>
 #include <avr/io.h>
@@ -66,4 +65,3 @@ static inline void board_stop(void)
     sleep_mode(); /* simavr ends when the core sleeps with interrupts off */
 }
 
-#endif

@@ -1,6 +1,5 @@
 /* A 32-bit RISC-V under QEMU's virt machine: output by semihosting, the instruction counter of the core. */
-#ifndef BOARD_H
-#define BOARD_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -54,4 +53,3 @@ static inline void board_stop(void)
     (void)board_call(0x20, reason);
 }
 
-#endif

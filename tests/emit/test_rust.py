@@ -23,13 +23,13 @@ from stt_codegen.cli.main import app
 from stt_codegen.compare.comparison import compare, compare_backend
 from stt_codegen.emit.naming import check_names
 from stt_codegen.errors import BadInput, MissingTool, SttError
+from stt_codegen.files import write_files
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.nodes import Assign, Kernel, Var
 from stt_codegen.program.operations import REAL
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.program.targets.rust.runner import CompiledRust
-from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task

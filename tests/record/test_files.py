@@ -14,8 +14,8 @@ import pytest
 
 from stt_codegen.cli.options import PACKAGES
 from stt_codegen.errors import BadInput
+from stt_codegen.files import write_files
 from stt_codegen.record.check import check, describe_numbers
-from stt_codegen.record.files import write_files
 from stt_codegen.record.overwriting import refuse_to_overwrite_certified
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.task.load import load_task
@@ -330,7 +330,7 @@ WRITE_AND_EXIT = """
 import os, sys
 from pathlib import Path
 from stt_codegen.pipeline import build
-from stt_codegen.record.files import write_files
+from stt_codegen.files import write_files
 
 files, replace, remaining = build(Path(sys.argv[1])).files, os.replace, [int(sys.argv[3])]
 

@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
+from stt_codegen.files import write_files
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import plant_of
-from stt_codegen.record.files import write_files
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.task.load import load_task
 from tests.support.controllers import ROOT, build_once

@@ -18,9 +18,9 @@ from typer.testing import CliRunner
 
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
+from stt_codegen.files import write_files
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import CompiledC
-from stt_codegen.record.files import write_files
 from stt_codegen.record.ros2 import message_kinds, ros2_package
 from stt_codegen.task.load import load_task
 from tests.support.controllers import ROOT, build_once

@@ -21,8 +21,8 @@ from typer.testing import CliRunner
 from stt_codegen.certify.missions.proof import cycle_of
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
+from stt_codegen.files import write_files
 from stt_codegen.pipeline import EmittedController
-from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
 from stt_codegen.record.sketch import MICROS_RESOLUTION, LoopTimes, loop_times, sketch_notes
 from stt_codegen.record.uno import RELATIVE_ERROR, step_cycles

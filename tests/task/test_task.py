@@ -66,7 +66,7 @@ REFUSALS = [
     ("prescribed_time = 9.0", "prescribed_time = 1e-300", ["prescribed_time", "magnitude"]),
     ("prescribed_time = 9.0", "prescribed_time = 1e999999999", ["prescribed_time", "magnitude"]),
     ("prescribed_time = 9.0", f"prescribed_time = 1.{'1' * 60}", ["prescribed_time", "digits"]),
-    ("prescribed_time = 9.0", f"prescribed_time = {'9' * 5000}", ["TOML"]),
+    ("prescribed_time = 9.0", f"prescribed_time = {'9' * 5000}", ["line 3", "1,000 characters"]),
     ("prescribed_time = 9.0", "prescribed_time = 9.0\nprescribed_time = 9.0", ["TOML", "line"]),
     ("prescribed_time = 9.0", "prescribed_time = ", ["TOML", "line"]),
     ("prescribed_time = 9.0", "prescribed_time = 2026-01-01", ["prescribed_time", "number"]),

@@ -7,10 +7,12 @@ Exit code 0: verified, all holds. 1: refused, and why. 2: a file cannot be used.
 """
 
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Any, NoReturn
 
+from .bounds import CERTIFICATE_BYTES, SOURCE_BYTES, TASK_BYTES, read
 from .claims import check
 from .exact import Refused, Unusable
 from .task import Task
@@ -31,19 +33,18 @@ def plain(problem: object) -> str:
     return str(problem).encode("unicode_escape").decode()
 
 
-def main(arguments: list[str]) -> int:
-    """Run the check and print one line."""
+def verdict(arguments: list[str]) -> tuple[str, int]:
+    """Run the check. Return a line, and the exit code."""
     if arguments != ["--meaning"] and len(arguments) != 3:
-        print((__doc__ or "").strip(), file=sys.stderr)
-        return 2
+        return (__doc__ or "").strip(), 2
     try:
         if arguments == ["--meaning"]:
             from . import meaning
 
             meaning.check_meaning()
-            print("checker: the listings compute the tube and the law, and round no more than rounding.py and integers.py say")
-            return 0
-        data, text, proof = (Path(a).read_bytes() for a in arguments)
+            return "checker: the listings compute the tube and the law, and round no more than rounding.py and integers.py say", 0
+        limits = (TASK_BYTES, SOURCE_BYTES, CERTIFICATE_BYTES)
+        data, text, proof = (read(Path(a), limit) for a, limit in zip(arguments, limits, strict=True))
         task, certificate = Task(data), json.loads(proof)
         if not isinstance(certificate, dict) or certificate.get("design") != "refined":
             raise Unusable("the certificate is not of a refined tube; only those can be checked here")
@@ -51,12 +52,21 @@ def main(arguments: list[str]) -> int:
         certificate = json.loads(proof, parse_float=refuse_decimal, object_pairs_hook=refuse_duplicates)
         proved = check(task, certificate, text, Path(arguments[1]).parent)
     except Refused as problem:
-        print(f"checker: refused: {plain(problem)}")
-        return 1
+        return f"checker: refused: {plain(problem)}", 1
     except Exception as problem:  # whatever a file does to the checker, the answer is not "verified"
         reason = f"a file is not of the form that is read here ({type(problem).__name__}: {plain(problem)})"
         reason = f"{plain(problem.filename)} cannot be read ({problem.strerror})" if isinstance(problem, OSError) else reason
-        print(f"checker: cannot check: {plain(problem) if isinstance(problem, Unusable) else reason}", file=sys.stderr)
+        return f"checker: cannot check: {plain(problem) if isinstance(problem, Unusable) else reason}", 2
+    return f"checker: verified: {task.name}: {proved}", 0
+
+
+def main(arguments: list[str]) -> int:
+    """Print the verdict, to stderr where there is none, and return the exit code; it is 2 where the line cannot be written."""
+    line, code = verdict(arguments)
+    stream = sys.stderr if code == 2 else sys.stdout
+    try:
+        print(line, file=stream, flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # Python would try again when it ends
         return 2
-    print(f"checker: verified: {task.name}: {proved}")
-    return 0
+    return code

@@ -8,12 +8,14 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from .bounds import require_bounded
 from .drive import Drive, assumed_plant
 from .exact import Unusable, decimal, number, numbers, vector
 from .keys import KNOWN_KEYS, canonical, refuse_unknown_keys
 from .moving import Course
 from .sets import Inside, Obstacle, axes_of, box, points
 
+LIST_LIMIT = 50_000  # of unsafe sets, which are the longest list of a task
 NARROWEST_WIDTH = Fraction(1, 1 << 18)  # of a tube: the emitted law divides by the width, and takes it as it is
 
 
@@ -30,9 +32,13 @@ class Task:
     """The numbers of a task file by component; sets as what the tube must be in, and what it must avoid."""
 
     def __init__(self, data: bytes) -> None:
-        document = tomllib.loads(data.decode("utf-8-sig"), parse_float=decimal)
-        self.digest = hashlib.sha256(json.dumps(canonical(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+        text = data.decode("utf-8-sig")
+        require_bounded(text)
+        document = tomllib.loads(text, parse_float=decimal)
         refuse_unknown_keys(document)
+        if any(isinstance(value, list) and len(value) > LIST_LIMIT for value in document.values()):
+            raise Unusable(f"the task has a list of more than {LIST_LIMIT}")
+        self.digest = hashlib.sha256(json.dumps(canonical(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
         self.document, self.name, self.t_c = document, document["name"], number(document["prescribed_time"])
         self.state = [number(v) for v in document["initial_state"]]
         n = self.n = len(self.state)

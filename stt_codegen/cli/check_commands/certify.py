@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stt_codegen.cli.options import Json, TaskFile, print_json
+from stt_codegen.cli.options import Json, TaskFile, patience, print_json
 
 
 def certify(
@@ -17,20 +17,16 @@ def certify(
     json: Json = False,
 ) -> None:
     """Repeat the proof of a refined tube from the C file alone, by the stand-alone checker. Exit code 1 when it fails."""
-    import contextlib
-    import io
+    with patience(f"checking {source}"):
+        from stt_codegen.checker import verdict
+        from stt_codegen.errors import BadInput
 
-    from stt_codegen.checker import check_files
-    from stt_codegen.errors import BadInput
-
-    verdict, problem = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(verdict), contextlib.redirect_stderr(problem):
-        code = check_files([str(task), str(source), str(certificate)])
-    if problem.getvalue():
-        raise BadInput(problem.getvalue().strip())
+        message, code = verdict([str(task), str(source), str(certificate)])
+    if code == BadInput.exit_code:
+        raise BadInput(message)
     if json:
-        print_json({"holds": code == 0, "message": verdict.getvalue().strip()})
+        print_json({"holds": code == 0, "message": message})
     else:
-        print(verdict.getvalue(), end="")
+        print(message)
     if code:
         raise typer.Exit(code)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from stt_codegen.cli.options import Json, counted, print_json, say
+from stt_codegen.cli.options import Json, counted, print_json, print_line, say
 
 
 def check(
@@ -23,7 +23,7 @@ def check(
     if accept:
         written, dropped = checks.accept(folder, progress)
         note = f", {dropped} dropped (their task files are gone)" if dropped else ""
-        print_json({"written": written, "dropped": dropped}) if json else print(
+        print_json({"written": written, "dropped": dropped}) if json else print_line(
             f"{folder}: {counted(written, 'folder')} written{note}"
         )
         return
@@ -40,15 +40,16 @@ def check(
         )
     else:
         for d in differences:
-            print(f"{d.path}: {d.problem}" + (f" ({d.numbers})" if d.numbers else ""))
+            print_line(f"{d.path}: {d.problem}" + (f" ({d.numbers})" if d.numbers else ""))
             for line in d.diff:
-                print(f"    {line}")
+                print_line(f"    {line}")
         for line in tools:
-            print(f"note: other version than recorded: {line}")
+            print_line(f"note: other version than recorded: {line}")
         if differences:
             count = counted(len(differences), "difference")
-            print(f"\n{count}. To accept what the tool makes now:  stt-codegen check {folder} --accept")
+            print()
+            print_line(f"{count}. To accept what the tool makes now:  stt-codegen check {folder} --accept")
         else:
-            print(f"{folder}: {counted(checks.folder_count(folder), 'folder')}, no difference")
+            print_line(f"{folder}: {counted(checks.folder_count(folder), 'folder')}, no difference")
     if differences:
         raise typer.Exit(1)

@@ -18,6 +18,7 @@ from stt_codegen.cli.options import (
     effort_for,
     patience,
     print_json,
+    print_line,
     say,
 )
 from stt_codegen.errors import BadInput
@@ -66,8 +67,8 @@ def prove(
 
 def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
     """Prove the lemmas and write the book, or compare it with what is on disk; return whether all is well."""
+    from stt_codegen.files import write_files
     from stt_codegen.lemmas import Verdict, page, prove_all
-    from stt_codegen.record import write_files
 
     if out.suffix not in (".md", ".tex"):
         raise BadInput(f"--out {out}: the book is written as .md or .tex")
@@ -88,7 +89,7 @@ def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
             print(f"{sum(e.verdict is verdict for e in entries):4d} {verdict.value}")
         for e in still_open:
             print(f"open: {e.lemma.name}: {'; '.join(e.outcome.evidence)}")
-        print(f"{out}: {_file_state(out, check, differs)}")
+        print_line(f"{out}: {_file_state(out, check, differs)}")
     return not still_open and not differs
 
 
@@ -106,8 +107,8 @@ def _prove_task(
     errors: noise and latency; None is the task's.
     """
     from stt_codegen.cli.show import show_bounds
+    from stt_codegen.files import write_files
     from stt_codegen.plants import plant_of
-    from stt_codegen.record import write_files
     from stt_codegen.report import Analysis
 
     task = controller.task
@@ -124,5 +125,5 @@ def _prove_task(
         print_json({**report.document(), "file_differs": differs})
     else:
         show_bounds(report)
-        print(f"{path}: {_file_state(path, check, differs)}")
+        print_line(f"{path}: {_file_state(path, check, differs)}")
     return report.all_hypotheses_hold and not differs

@@ -20,6 +20,7 @@ from stt_codegen.cli.options import (
     one_of,
     patience,
     print_json,
+    print_line,
     say,
 )
 from stt_codegen.effort import DEFAULT_SECONDS
@@ -71,7 +72,7 @@ def generate(
         certified = controller.certificate.holds
         written.append({"task": name, "certified": certified, "folder": str(folder), "files": list(files)})
         if not json:
-            print(f"{name}: {'certified' if certified else 'NOT CERTIFIED'}; {', '.join(files)} in {folder}")
+            print_line(f"{name}: {'certified' if certified else 'NOT CERTIFIED'}; {', '.join(files)} in {folder}")
             if package == "ros2":
                 print(f"{name}: {interface_of(controller.task)}")
     if json:
@@ -106,12 +107,15 @@ def _files_of_all(controllers: Controllers, *, package: str, plant: str | None, 
     """Return the contents of the files of each controller by path, in the package's layout."""
     from stt_codegen.plants import plant_of
     from stt_codegen.record import package as package_files
+    from stt_codegen.task import read_task_text
 
     contents = []
     for task, controller in controllers:
         model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
         files = package_files(controller, package, model)
-        contents.append({**files, **_theorem_file(task.read_bytes(), controller.task.name, files)} if theorem else files)
+        contents.append(
+            {**files, **_theorem_file(read_task_text(task).encode(), controller.task.name, files)} if theorem else files
+        )
     return contents
 
 
@@ -139,12 +143,15 @@ def _write_all(
     uncertified: bool,
 ) -> list[Path]:
     """Write every file, or record every controller; return the folder of each."""
+    from stt_codegen.files import locked, write_files
     from stt_codegen.record import record as record_controller
-    from stt_codegen.record import write_files
 
-    if record is not None:
-        return [record_controller(record, task, controller, uncertified) for task, controller in controllers]
-    write_files(out, {path: data for files in contents for path, data in files.items()})
+    folder = out if record is None else record
+    with patience(f"writing to {folder}"), locked([folder]):
+        _require_safe_targets(controllers, contents, record, out)  # once more: another command may have written meanwhile
+        if record is not None:
+            return [record_controller(record, task, controller, uncertified) for task, controller in controllers]
+        write_files(out, {path: data for files in contents for path, data in files.items()})
     return [out] * len(controllers)
 
 

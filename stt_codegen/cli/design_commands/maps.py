@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from stt_codegen.cli.options import Json, counted, patience, print_json
+from stt_codegen.cli.options import Json, counted, patience, print_json, print_line
 from stt_codegen.errors import BadInput
 
 
@@ -45,16 +45,16 @@ def map_(
         return
     counts, grid = report.counts, report.occupancy_map
     width, height = grid.occupied.shape
-    print(f"{file}: {width} x {height} cells of {float(grid.resolution):g}")
+    print_line(f"{file}: {width} x {height} cells of {float(grid.resolution):g}")
     print(f"  from {', '.join(f'{float(v):g}' for v in grid.origin)} to {', '.join(f'{float(v):g}' for v in grid.upper)}")
     print(f"  {counts['occupied']} occupied, {counts['unknown']} unknown, {counts['free']} free; occupied and unknown are unsafe")
     if note := grid.grey_note():
-        print(f"  note: {note}")
+        print_line(f"  note: {note}")
     unsafe = counts["occupied"] + counts["unknown"]
     more = f", {report.covered_free_cells / unsafe:.1%} of the unsafe ones" if unsafe else ""
     cover = f"which cover the middle of {report.covered_free_cells} free cells{more}"
     print(f"  as {kind}: {counted(len(report.pieces), 'set')}, {cover}")
-    print(f"  picture: {path}")
+    print_line(f"  picture: {path}")
 
 
 def _turn_upright(file: Path, target: Path, free: Literal["white", "thresholds"], json: bool) -> None:
@@ -66,6 +66,6 @@ def _turn_upright(file: Path, target: Path, free: Literal["white", "thresholds"]
     if json:
         print_json({"map": str(target), "image": str(target.with_suffix(".png")), **cells})
         return
-    print(
+    print_line(
         f"{target}: {cells['free']} free cells of {cells['free_before']} in {file}; all that is not free there is not free here"
     )

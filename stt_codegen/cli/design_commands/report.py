@@ -19,6 +19,7 @@ from stt_codegen.cli.options import (
     effort_for,
     patience,
     print_json,
+    print_line,
     say,
 )
 from stt_codegen.errors import BadInput
@@ -69,7 +70,7 @@ def report(
             }
         )
     else:
-        print(f"{controller.task.name}: {path}, {len(text)} bytes; open it in a browser")
+        print_line(f"{controller.task.name}: {path}, {len(text)} bytes; open it in a browser")
     if not page_evidence.has_no_failure:
         failed = [check.name for check in page_evidence.checks if check.has_passed is False]
         failed += [f"MISRA rule {rule}" for rule in page_evidence.unlisted]
@@ -98,6 +99,6 @@ def _run_on_boards(controller: Any, boards: Sequence[str]) -> list[Any]:
 
 
 def _write_page(path: Path, text: bytes) -> None:
-    from stt_codegen.record import write_files
+    from stt_codegen.files import write_files
 
     write_files(path.parent, {path.name: text})

@@ -94,9 +94,9 @@ def compile_drive_module(controller: EmittedController, plant: Model) -> DriveMo
         folder = Path(temporary)
         for file, data in sources.items():
             (folder / file).write_bytes(data)
-        (folder / "adapter.c").write_text(adapter_source(task, controller.design, controller.certificate))
-        (folder / "plant.c").write_text(plant_source(plant, task.dimension, task.order))
-        shutil.copy(templates / "report" / "wasm" / "buffer.c", folder)
+        (folder / "stt-adapter.c").write_text(adapter_source(task, controller.design, controller.certificate))
+        (folder / "stt-plant.c").write_text(plant_source(plant, task.dimension, task.order))
+        shutil.copy(templates / "report" / "wasm" / "buffer.c", folder / "stt-buffer.c")
         paths = [p for p in sorted(folder.iterdir()) if p.suffix == ".c"]
         include = [f"-I{templates / 'report' / 'wasm'}", f"-I{templates / 'loop'}", f"-I{folder}"]
         try:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
@@ -15,6 +16,7 @@ from stt_codegen.report.pictures.tube_pictures import save
 from stt_codegen.task.map import OccupancyMap, Piece, PieceKind, count_free_cells_in, cover_cells
 
 GREYS = {"free": 1.0, "unknown": 0.75, "occupied": 0.35}
+PICTURE_CELLS_LIMIT = 1600  # cells a side; the picture has half as many pixels
 OUTLINED_PIECE_LIMIT = 500  # pieces; with more, thick outlines would hide the cells
 
 
@@ -56,11 +58,21 @@ def map_report(occupancy_map: OccupancyMap, kind: PieceKind) -> MapReport:
     return MapReport(occupancy_map, kind, pieces, count_free_cells_in(occupancy_map.unsafe, pieces))
 
 
+def _fit_for_picture(cells: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return cells of a map in blocks, of which none is lost, with at most `PICTURE_CELLS_LIMIT` a side."""
+    block = -(-max(cells.shape) // PICTURE_CELLS_LIMIT)
+    if block == 1:
+        return cells
+    padded = np.pad(cells, [(0, -n % block) for n in cells.shape])
+    return np.asarray(padded.reshape(padded.shape[0] // block, block, -1, block).any(axis=(1, 3)), dtype=bool)
+
+
 def draw_map(report: MapReport, path: Path) -> None:
     """Save a picture of the cells in grey, with the pieces above them."""
     occupancy_map = report.occupancy_map
-    grey = np.full(occupancy_map.occupied.shape, GREYS["free"])
-    grey[occupancy_map.unknown], grey[occupancy_map.occupied] = GREYS["unknown"], GREYS["occupied"]
+    unknown, occupied = (_fit_for_picture(cells) for cells in (occupancy_map.unknown, occupancy_map.occupied))
+    grey = np.full(occupied.shape, GREYS["free"])
+    grey[unknown], grey[occupied] = GREYS["unknown"], GREYS["occupied"]
     (left, bottom), (right, top) = ([float(v) for v in ends] for ends in (occupancy_map.origin, occupancy_map.upper))
     figure = Figure(figsize=(8, 8 * min(max((top - bottom) / (right - left), 0.3), 2)), layout="constrained")
     axis = figure.add_subplot()

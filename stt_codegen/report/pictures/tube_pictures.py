@@ -6,6 +6,7 @@ Long because both views draw the same sets, with the same colours and labels.
 
 from __future__ import annotations
 
+import io
 import itertools
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,6 +22,7 @@ from matplotlib.patches import Polygon, Rectangle
 from stt_codegen.certify.missions import served_entries
 from stt_codegen.constraints import avoidances
 from stt_codegen.errors import BadInput
+from stt_codegen.files import write_files
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.clearances import distance, obstacle_bands
 from stt_codegen.report.figures import TradeReport
@@ -171,12 +173,10 @@ def save(figure: Any, path: Path) -> None:
     """Write a figure as png, svg or pdf, by the end of its name, without a date. Raises `BadInput` where it cannot be written."""
     date_key = {".svg": "Date", ".pdf": "CreationDate"}.get(path.suffix, "Software")
     place_labels(figure)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with mpl.rc_context({"svg.hashsalt": "stt"}):
-            figure.savefig(path, dpi=110, metadata={date_key: None})
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be written ({error.strerror}); choose another folder") from None
+    data = io.BytesIO()
+    with mpl.rc_context({"svg.hashsalt": "stt"}):
+        figure.savefig(data, format=path.suffix.removeprefix("."), dpi=110, metadata={date_key: None})
+    write_files(path.parent, {path.name: data.getvalue()})
 
 
 def place_labels(figure: Figure) -> None:

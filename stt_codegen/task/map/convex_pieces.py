@@ -19,6 +19,7 @@ from stt_codegen.errors import BadInput
 from stt_codegen.task.map.occupancy import Cells, OccupancyMap, PieceKind, Window
 from stt_codegen.task.sets import hull_corners
 
+COLUMNS_AT_ONCE = 256  # of a piece, so that a map of 4096 x 4096 cells takes little memory
 FREE_SHARE_LIMIT = Fraction(1, 10)  # of a polygon's area that free cells may be
 CORNER_COUNT_LIMIT = 16  # of a polygon
 
@@ -54,12 +55,13 @@ def count_free_cells_in(unsafe: Cells, pieces: Sequence[Piece]) -> int:
     taken = np.zeros_like(unsafe)
     for piece in pieces:
         xs, ys = zip(*piece.corners, strict=True)
-        part = np.s_[min(xs) : max(xs), min(ys) : max(ys)]
-        x, y = np.meshgrid(np.arange(min(xs), max(xs)) + 0.5, np.arange(min(ys), max(ys)) + 0.5, indexing="ij")
-        inside = np.ones(x.shape, dtype=bool)
-        for (a, b), (c, d) in zip(piece.corners, piece.corners[1:] + piece.corners[:1], strict=True):
-            inside &= (c - a) * (y - b) - (d - b) * (x - a) >= 0
-        taken[part] |= inside
+        for first in range(min(xs), max(xs), COLUMNS_AT_ONCE):
+            last = min(first + COLUMNS_AT_ONCE, max(xs))
+            x, y = np.meshgrid(np.arange(first, last) + 0.5, np.arange(min(ys), max(ys)) + 0.5, indexing="ij")
+            inside = np.ones(x.shape, dtype=bool)
+            for (a, b), (c, d) in zip(piece.corners, piece.corners[1:] + piece.corners[:1], strict=True):
+                inside &= (c - a) * (y - b) - (d - b) * (x - a) >= 0
+            taken[first:last, min(ys) : max(ys)] |= inside
     return int((taken & ~unsafe).sum())
 
 

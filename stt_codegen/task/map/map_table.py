@@ -13,7 +13,6 @@ proofs are about the sets. `to_toml` prints the task with these sets, which a ch
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
@@ -23,9 +22,11 @@ from typing import Any, NamedTuple
 
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput, about
+from stt_codegen.files import parse_toml
 from stt_codegen.task.map.map_yaml import read_header
 from stt_codegen.task.map.occupancy import FREE_RULES, KINDS, FreeRule, PieceKind, read_map
 from stt_codegen.task.schema import TaskTables
+from stt_codegen.task.task_text import read_task_text
 from stt_codegen.task.values import kind_of
 
 KEYS = ("file", "axes", "as", "free")
@@ -69,7 +70,7 @@ def table_of(value: Any) -> MapTable:
 
 def input_files(path: Path) -> list[Path]:
     """Return the task file, its maps and their images, which no output may replace. path: a task file that was read before."""
-    value = tomllib.loads(path.read_bytes().decode("utf-8-sig"), parse_float=Decimal).get("map")
+    value = parse_toml(read_task_text(path)).get("map")
     maps = [] if value is None else [path.parent / file for file in table_of(value).files]
     return [path, *maps, *(read_header(file).image for file in maps)]
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from stt_codegen.errors import BadInput
+from stt_codegen.files import read_input
 
 FILE_SIZE_LIMIT = 16384  # bytes
 DEPTH_LIMIT = 4  # levels of lists and tables; a map needs two
@@ -92,16 +93,10 @@ def _fields(path: Path) -> dict[str, Any]:
     import yaml
 
     try:
-        with path.open("rb") as file:
-            data = file.read(FILE_SIZE_LIMIT + 1)
-        if len(data) > FILE_SIZE_LIMIT:
-            raise BadInput(f"{path}: has more than {FILE_SIZE_LIMIT} bytes; give the .yaml of a map, which has a few lines")
-        text = data.decode("utf-8-sig")
+        text = read_input(path, FILE_SIZE_LIMIT, "give the .yaml of a map, which has a few lines").decode("utf-8-sig")
         _require_bounded(path, text)
         node = yaml.compose(text, Loader=yaml.BaseLoader)
         fields = yaml.load(text, Loader=yaml.BaseLoader)  # it makes texts, lists and dictionaries, nothing else
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be read ({error.strerror}); give the .yaml of a map") from None
     except (ValueError, OverflowError, yaml.YAMLError) as error:
         raise BadInput(f"{path}: is no YAML: {str(error).splitlines()[0]}") from None
     if not isinstance(fields, dict):

@@ -6,13 +6,15 @@ diagonal, and no thin wall is lost, as it would be if each pixel took the value 
 
 from __future__ import annotations
 
+import io
 import math
 from pathlib import Path
 
 import numpy as np
 
 from stt_codegen.decimals import decimal
-from stt_codegen.errors import BadInput
+from stt_codegen.errors import BadInput, about
+from stt_codegen.files import locked, write_files
 from stt_codegen.task.map.map_yaml import read_header
 from stt_codegen.task.map.occupancy import SIDE_CELLS_LIMIT, Cells, FreeRule, cells_of
 
@@ -36,21 +38,26 @@ def write_upright_map(path: Path, target: Path, free_rule: FreeRule = "white") -
         )
     if target.suffix not in (".yaml", ".yml"):
         raise BadInput(f"--upright: {target} does not end in .yaml; give the path of the upright map's .yaml")
-    present = next((file for file in (target, image) if file.exists()), None)
-    if present is not None:
-        raise BadInput(f"--upright: {present} exists; give another name")
+    _require_absent(target, image)
     chart = cells_of(header, free_rule)
     first, unsafe = rotate_cells(chart.unsafe, float(header.yaw))
     pixels = np.where(unsafe, UNKNOWN, FREE).astype(np.uint8)
     origin = ", ".join(decimal(o + k * header.resolution) for o, k in zip(header.origin, first, strict=True))
     lines = [f"image: {image.name}", f"resolution: {decimal(header.resolution)}", f"origin: [{origin}, 0.0]", "negate: 0"]
     lines += ["mode: trinary", "occupied_thresh: 0.65", "free_thresh: 0.196"]
-    try:
-        Image.fromarray(np.ascontiguousarray(pixels.T[::-1])).save(image)
-        target.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise BadInput(f"--upright: {target} cannot be written ({error.strerror})") from None
+    png = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(pixels.T[::-1])).save(png, "PNG")
+    with about("--upright"), locked([target.parent]):
+        _require_absent(target, image)
+        write_files(target.parent, {image.name: png.getvalue(), target.name: ("\n".join(lines) + "\n").encode()})
     return {"free": int((~unsafe).sum()), "free_before": int((~chart.unsafe).sum())}
+
+
+def _require_absent(*files: Path) -> None:
+    """Raise `BadInput` where a file exists."""
+    for file in files:
+        if file.exists() or file.is_symlink():
+            raise BadInput(f"--upright: {file} exists; give another name")
 
 
 def rotate_cells(unsafe: Cells, yaw: float) -> tuple[tuple[int, int], Cells]:

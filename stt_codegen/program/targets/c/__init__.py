@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from stt_codegen.program.targets.c.headers import HEADERS
 from stt_codegen.program.targets.c.helpers import fixed_lines, split_lines
 from stt_codegen.program.targets.c.macros import COMMON_MACROS
 from stt_codegen.program.targets.c.printer import CPrinter
@@ -27,12 +28,6 @@ CPP_WORDS = frozenset(
     typename union unsigned using virtual void volatile wchar_t while xor xor_eq final override import module""".split()
 )
 
-# Names that <name>.h must not have: it would shadow a header of the C library, or one that such a header includes.
-HEADERS = frozenset(
-    """features alloca endian alltypes reent newlib
-    assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg
-    stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar wchar wctype unistd""".split()
-)
 MATH_WORDS = frozenset("j0 j1 jn y0 y1 yn gamma lgamma signgam isfinite NAN INFINITY".split())
 
 

@@ -11,7 +11,10 @@ from stt_codegen.program.targets.target import Emitted, TargetLanguage
 __all__ = ["TARGET", "PythonPrinter", "runner"]
 
 # Modules that <name>.py must not shadow: the interpreter looks in the folder of a script before its library.
-MODULES = frozenset({name.lower() for name in sys.stdlib_module_names} | {"numpy"})
+# Modules that some of Python 3.11 to 3.14 have count too, so that every interpreter refuses the same names.
+SOME_VERSIONS = """aifc annotationlib asynchat asyncore audioop cgi cgitb chunk compression crypt distutils imghdr imp lib2to3
+    mailcap msilib nis nntplib ossaudiodev pipes smtpd sndhdr spwd sunau telnetlib uu xdrlib""".split()
+MODULES = frozenset({name.lower() for name in sys.stdlib_module_names} | {"numpy", *SOME_VERSIONS})
 
 
 def _runner() -> Callable[[Emitted], Any]:
