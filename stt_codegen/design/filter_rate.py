@@ -101,7 +101,7 @@ def _limit_reason(task: Task, i: int, required: float) -> Reason:
     authority, axis = control_authority(task)[i], task.axis_words[i]
     demand = f"in {axis} the tube asks for accelerations of {above(Fraction(required), 3):g}"
     left = f"f, w and coupling leave {below(authority, 3):g} of u_max = {decimal(task.u_max[i])}"
-    hint = "raise control.u_max or prescribed_time, or state a milder plant"
+    hint = f"raise {task.limit_key} or prescribed_time, or state a milder plant"
     return Reason(f"{Property.LIMITS.label}: {demand}; {left}", hint, codes=(Property.LIMITS.code,), axis=i)
 
 

@@ -23,6 +23,7 @@ RAISING = tuple(Fraction(v) for v in ("1.1", "1.5", "2.5", "6"))  # times the va
 RAISING_FAR = (*RAISING, *(Fraction(v) for v in ("30", "300", "1e4", "1e6", "1e8")))  # of a limit on the tube
 LOWERING = tuple(Fraction(v) for v in ("0.85", "0.5", "0.2", "0.05"))
 REMOVING = (*LOWERING, Fraction(0))
+ADVANCES = tuple(Fraction(v) for v in ("1.01", "1.1", "1.5", "3"))  # times a control.u_norm that just balances what acts
 RETREATS = tuple(Fraction(v) for v in ("0.999", "0.98", "0.9", "0.7"))  # times a value at which a property would just hold
 SHARES = tuple(Fraction(v) for v in ("0.8", "0.6", "0.4", "0.2"))  # of the start box
 
@@ -72,6 +73,8 @@ def adjustments_of(task: Task, reason: Reason) -> Iterator[Adjustment]:
     axis, codes = reason.axis, set(reason.codes)
     in_order = (*_settings(task), *_sampling(task), *_times(task), *_tube(task), *_robot(task, axis), *_entries(task))
     known = dict(reason.sufficient)
+    if "control.u_norm" in known:  # u is too weak, which a shorter period or a smaller start share does not mend: this first
+        in_order = tuple(sorted(in_order, key=lambda adjustment: adjustment.keys != ("control.u_norm",)))
     for adjustment in (a for a in in_order if not codes or a.codes & codes):
         if len(adjustment.keys) == 1 and (value := known.get(adjustment.keys[0])) is not None:
             yield _near(task, adjustment, value)
@@ -80,10 +83,13 @@ def adjustments_of(task: Task, reason: Reason) -> Iterator[Adjustment]:
 
 
 def _near(task: Task, adjustment: Adjustment, value: Fraction) -> Adjustment:
-    """Return the adjustment that tries values at and just below one with which the failing property would hold."""
+    """Return the adjustment that tries values near one with which the failing property would just hold.
+
+    They are at and below a sampling period or a bound on the tube, and above a norm of u.
+    """
     table, _, key = adjustment.keys[0].partition(".")
-    known = value / getattr(getattr(task, table), key)
-    return replace(adjustment, factors=tuple(known * retreat for retreat in RETREATS), unchanged=known)
+    known, steps = value / getattr(getattr(task, table), key), ADVANCES if key == "u_norm" else RETREATS
+    return replace(adjustment, factors=tuple(known * step for step in steps), unchanged=known)
 
 
 def _choice(codes: frozenset[str], key: str, value: Value, remark: str = "") -> Adjustment:
@@ -210,6 +216,8 @@ def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
         if axis is not None and task.dimension > 1 and task.u_max is not None:
             yield _scaled(MOTION, "control.u_max", task.u_max, RAISING, axis)
         yield _scaled(MOTION, "control.u_max", control.u_max, RAISING)
+    if control.u_norm is not None:
+        yield _scaled(MOTION, "control.u_norm", control.u_norm, RAISING)
     sampled = frozenset({PERIOD})
     drive = [(f"plant.{k}", v, REMOVING) for k in ("lag", "lag2", "overshoot") if (v := getattr(plant, k)) and _has_any(v)]
     drive += [("plant.slew", plant.slew, RAISING)] if plant.slew is not None else []
@@ -218,7 +226,7 @@ def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
     if noise:
         yield _scaled_together(sampled, noise, REMOVING)
     forces = [(f"plant.{k}", v) for k in ("f_max", "w_max") if (v := getattr(plant, k)) and _has_any(v)]
-    if forces and (control.u_max is not None or control.period is not None):
+    if forces and any(v is not None for v in (control.u_max, control.u_norm, control.period)):
         yield _scaled_together(INPUT, forces, REMOVING)
     if plant.g_cross is not None and _has_any(plant.g_cross):
         yield _scaled(INPUT, "plant.g_cross", plant.g_cross, REMOVING)
