@@ -123,11 +123,10 @@ class Task:
         self.gain = None if gain in ("auto", "tight") else numbers(gain, n)
         self.e_max = numbers(control.get("e_max", Decimal("0.99")), n)
         self.u_norm = number(control["u_norm"]) if "u_norm" in control else None
-        self.leaves_limit = control.get("u_max", None if self.period is self.u_norm is None else "auto") == "auto"
-        self.u_max = numbers(control["u_max"], n) if "u_max" in control and not self.leaves_limit else None
-        self.caps = self.u_max  # of a limit that the certificate chooses
-        if self.u_max is not None and not self.is_within_norm(self.u_max):
-            self.leaves_limit, self.u_max = True, None
+        limit = control.get("u_max", None if self.period is None else "auto")
+        self.caps = None if limit in (None, "auto") else numbers(limit, n)  # a norm of u may leave less
+        self.leaves_limit = limit == "auto" or self.u_norm is not None
+        self.u_max = None if self.leaves_limit else self.caps
         self.scales, self.outside = control.get("saturate", "clip") == "scale", control.get("outside", "return")
         self.differs = control.get("velocity", "measured") == "differences"
         self.shortest = None  # the least time between two samples, where v is by differences
@@ -163,7 +162,6 @@ class Task:
             (control.get("saturate", "clip") not in ("clip", "scale"), "a `saturate` that is unknown here"),
             (self.scales and (lists or not is_equal or self.order == 2 or self.period is not None),
              "u scaled as a whole where nothing is proved about it"),
-            (self.scales and self.u_norm is not None, "a norm of u that is scaled as a whole"),
             (self.outside not in ("return", "hold", "stop"), "an `outside` that is unknown here"),
             (self.outside == "hold" and (self.order == 2 or self.moves or has_mission),
              "a tube that waits beside something that does not"),
@@ -181,10 +179,6 @@ class Task:
         bounds = assumed_plant(speeds)
         self.plant |= bounds
         self.stated |= {"w_max": [str(v) for v in bounds["w_max"]], "g_min": "4/5", "g_max": "6/5"}
-
-    def is_within_norm(self, limits: list[Fraction]) -> bool:
-        """Whether every u with |u_i| <= limits_i has a Euclidean norm of at most u_norm; true where u_norm is not stated."""
-        return self.u_norm is None or sum(v * v for v in limits) <= self.u_norm * self.u_norm
 
     @property
     def proves_limits(self) -> bool:
