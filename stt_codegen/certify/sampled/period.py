@@ -60,7 +60,7 @@ def certify_period(
     proof, margin = evidence.proof, evidence.margin
     if proof is None:
         failure = explain_period(task, loop, evidence.longest)
-        hint = DIFFERENCES_ADVICE if task.uses_differences else ""
+        hint = DIFFERENCES_ADVICE if task.uses_differences else f"lower control.period, or raise {task.limit_key}"
         axis = None if failure.axis is None else failure.axis + 1
         sufficient = sufficient_norm(task, [Fraction(v) for v in needed_input(loop).tolist()])
         sufficient += () if evidence.longest is None else (("control.period", evidence.longest.seconds),)
