@@ -32,6 +32,7 @@ class Capabilities:
     proves_limits: bool = False  # P8: u_max outdoes the plant bounds
     proves_periods: bool = False  # P9: control.period
     scales_input: bool = False  # control.saturate = "scale"
+    shares_norm: bool = False  # control.u_norm, of which each component has the share that its tube needs
     emits_covered_starts: bool = False  # the emitted `covered`
     waits_outside: bool = False  # control.outside other than "return"
     runs_in_ros2_and_fmu: bool = False  # --package ros2 and --package fmu, which step no alpha
@@ -55,6 +56,7 @@ CAPABILITIES: Mapping[DesignKind, Capabilities] = {
         proves_limits=True,
         proves_periods=True,
         scales_input=True,
+        shares_norm=True,
         emits_covered_starts=True,
         waits_outside=True,
         runs_in_ros2_and_fmu=True,

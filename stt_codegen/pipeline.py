@@ -387,9 +387,28 @@ class Stages:
 
 
 def _design_refined(task: Task) -> Design:
+    """Return the preferred tube. Where control.u_norm is open without a period, the tube is first found without limits of u.
+
+    Where no shares of the norm are enough for it (P8), the tube is designed once more, within the shares of the first.
+    """
+    from stt_codegen.certify import outweighs_disturbances
     from stt_codegen.design import refine
 
-    return with_enough_allowance(task, refine(task))
+    design = with_enough_allowance(task, refine(task))
+    task_with_limits = _with_norm_shares(task, design)
+    if task_with_limits is task or outweighs_disturbances(task_with_limits, design):
+        return design
+    with suppress(NotCertified):
+        return with_enough_allowance(task_with_limits, refine(task_with_limits))
+    return design
+
+
+def _with_norm_shares(task: Task, design: RefinedDesign) -> Task:
+    """Return the task without a period with each component's share of control.u_norm; any other task as it is."""
+    from stt_codegen.certify import with_shares_of_norm
+
+    is_open = task.has_automatic_limit and task.control.period is None
+    return with_shares_of_norm(task, design) if is_open else task
 
 
 def _refined_alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDesign]:
@@ -424,6 +443,8 @@ def _refined_program(task: Task, design: RefinedDesign) -> Program:
 def _choose_refined_control(task: Task, design: RefinedDesign) -> Task:
     from stt_codegen.certify.sampled import choose_control
 
+    if task.control.period is None:
+        return _with_norm_shares(task, design)
     if not (task.assumes_plant or task.has_automatic_limit or task.has_automatic_gain):
         return task
     return choose_control(task, design, *_errors_before_choice(task, design))
@@ -442,7 +463,7 @@ def _may_hold_refined(task: Task, design: RefinedDesign) -> bool:
     from stt_codegen.certify import outweighs_disturbances
     from stt_codegen.certify.sampled import is_any_control_proved
 
-    if not task.has_automatic_limit and not outweighs_disturbances(task, design):
+    if not outweighs_disturbances(_with_norm_shares(task, design), design):
         return False
     return task.control.period is None or is_any_control_proved(task, design, *_errors_before_choice(task, design))
 

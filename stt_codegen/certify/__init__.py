@@ -2,7 +2,7 @@
 
 from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PathClaim, PeriodProof
 from stt_codegen.certify.claims import SlackClaim, Stretch, claims_of, cuts_of
-from stt_codegen.certify.limits import outweighs_disturbances
+from stt_codegen.certify.limits import outweighs_disturbances, with_shares_of_norm
 from stt_codegen.certify.monitor import Cycle, Span, Time, holds
 from stt_codegen.certify.moving_slack import MovingBounds
 
@@ -29,4 +29,5 @@ __all__ = [
     "rounding_allowance",
     "sampled",
     "slack",
+    "with_shares_of_norm",
 ]

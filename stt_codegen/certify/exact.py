@@ -17,7 +17,7 @@ import numpy.typing as npt
 from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.certify.claims import units_of_error
 from stt_codegen.certify.filtered_findings import certify_inertia
-from stt_codegen.certify.limits import certify_limits
+from stt_codegen.certify.limits import certify_limits, with_sufficient_norm
 from stt_codegen.certify.missions import certify_mission
 from stt_codegen.certify.moving_slack import smallest_moving_slack
 from stt_codegen.certify.slack import ConstraintBlock, LocatedSlack, smallest_slack
@@ -53,7 +53,8 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
     of_edges = (*certificate.findings, *mission_findings)
     arithmetic = _arithmetic_finding(program, max(error), of_edges)
     rate = rate_error(design, program) if task.order == 2 else ()
-    limit_findings = certify_inertia(task, design, error, rate) if task.order == 2 else certify_limits(task, design)
+    of_law = certify_inertia(task, design, error, rate) if task.order == 2 else certify_limits(task, design)
+    limit_findings = with_sufficient_norm(task, design, of_law)
     is_law_defined = program.scalar == "fixed" or _is_law_defined(design, error, limit_findings)
     certificate = replace(certificate, rate_error=rate, mission=mission, is_law_defined=is_law_defined)
     before_period = (*certificate.findings, arithmetic, *limit_findings)

@@ -126,9 +126,10 @@ def _hint(hint: Stretch, cuts: int) -> list[Any]:
 
 
 def _control(task: Task) -> dict[str, Any]:
-    """Return the constants of the control law by component, as the task has them; u_max as it is emitted."""
+    """Return the constants of the control law by component, as the task has them; u_max as it is emitted. u_norm: if stated."""
     limit = None if task.emitted_u_max is None else [str(v) for v in task.emitted_u_max]
-    return {"gain": [str(v) for v in task.gain], "e_max": [str(v) for v in task.e_max], "u_max": limit}
+    norm = {} if task.control.u_norm is None else {"u_norm": str(task.control.u_norm)}
+    return {"gain": [str(v) for v in task.gain], "e_max": [str(v) for v in task.e_max], "u_max": limit, **norm}
 
 
 def _clock(task: Task) -> dict[str, Any]:

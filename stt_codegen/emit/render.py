@@ -151,6 +151,7 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
         *_mission_lines(task, certificate),
         *_set_lines(task),
         *(_order_two_lines(task) if task.order == 2 else []),
+        *_norm_lines(task),
     ]
     if certificate.steps is not None:
         shortest, longest = (decimal(v) for v in certificate.steps)
@@ -183,6 +184,15 @@ def _order_two_lines(task: Task) -> list[str]:
         f"The plant is of order 2: xdot = v, vdot = f + g u + w, and {velocity}. Covered is every start",
         f"{start}; gamma(0) is in the certificate.",
     ]
+
+
+def _norm_lines(task: Task) -> list[str]:
+    """Return the lines about the norm of u; none where the task does not bound it."""
+    if task.control.u_norm is None or task.emitted_u_max is None:
+        return []
+    limits = f"u is within {by_component(task.u_max or ())} by component at every call"
+    sentence = f"{limits}, so that its Euclidean norm is at most {decimal(task.control.u_norm)}."
+    return textwrap.wrap(sentence, NOTICE_WIDTH)
 
 
 def _state_lines(task: Task, certificate: Certificate) -> list[str]:

@@ -23,9 +23,9 @@ RAISING = tuple(Fraction(v) for v in ("1.1", "1.5", "2.5", "6"))  # times the va
 RAISING_FAR = (*RAISING, *(Fraction(v) for v in ("30", "300", "1e4", "1e6", "1e8")))  # of a limit on the tube
 LOWERING = tuple(Fraction(v) for v in ("0.85", "0.5", "0.2", "0.05"))
 REMOVING = (*LOWERING, Fraction(0))
-RETREATS = tuple(
-    Fraction(v) for v in ("0.999", "0.98", "0.9", "0.7", "0.4", "0.1")
-)  # times a value at which a property would just hold
+ADVANCES = tuple(Fraction(v) for v in ("1.01", "1.1", "1.5", "3"))  # times a control.u_norm that just balances what acts
+# times a value at which a property would just hold
+RETREATS = tuple(Fraction(v) for v in ("0.999", "0.98", "0.9", "0.7", "0.4", "0.1"))
 SHARES = tuple(Fraction(v) for v in ("0.8", "0.6", "0.4", "0.2"))  # of the start box
 
 EDGES = frozenset(p.code for p in OF_THE_EDGES if p is not Property.START)
@@ -84,10 +84,13 @@ def adjustments_of(task: Task, reason: Reason) -> Iterator[Adjustment]:
 
 
 def _near(task: Task, adjustment: Adjustment, value: Fraction) -> Adjustment:
-    """Return the adjustment that tries values at and below one with which the failing property would hold."""
+    """Return the adjustment that tries values near one with which the failing property would just hold.
+
+    They are at and below a sampling period or a bound on the tube, and above a norm of u.
+    """
     table, _, key = adjustment.keys[0].partition(".")
-    known = value / getattr(getattr(task, table), key)
-    return replace(adjustment, factors=tuple(known * retreat for retreat in RETREATS), unchanged=known)
+    known, steps = value / getattr(getattr(task, table), key), ADVANCES if key == "u_norm" else RETREATS
+    return replace(adjustment, factors=tuple(known * step for step in steps), unchanged=known)
 
 
 def _choice(codes: frozenset[str], key: str, value: Value, remark: str = "") -> Adjustment:
@@ -226,6 +229,8 @@ def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
         if axis is not None and task.dimension > 1 and task.u_max is not None:
             yield _scaled(MOTION, "control.u_max", task.u_max, RAISING, axis)
         yield _scaled(MOTION, "control.u_max", control.u_max, RAISING)
+    if control.u_norm is not None:
+        yield _scaled(MOTION, "control.u_norm", control.u_norm, RAISING)
     sampled = frozenset({PERIOD})
     drive = [(f"plant.{k}", v, REMOVING) for k in ("lag", "lag2", "overshoot") if (v := getattr(plant, k)) and _has_any(v)]
     drive += [("plant.slew", plant.slew, RAISING)] if plant.slew is not None else []
@@ -234,7 +239,7 @@ def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
     if noise:
         yield _scaled_together(sampled, noise, REMOVING)
     forces = [(f"plant.{k}", v) for k in ("f_max", "w_max") if (v := getattr(plant, k)) and _has_any(v)]
-    if forces and (control.u_max is not None or control.period is not None):
+    if forces and any(v is not None for v in (control.u_max, control.u_norm, control.period)):
         yield _scaled_together(INPUT, forces, REMOVING)
     if plant.g_cross is not None and _has_any(plant.g_cross):
         yield _scaled(INPUT, "plant.g_cross", plant.g_cross, REMOVING)

@@ -7,13 +7,21 @@ from stt_codegen.sampling.gains import (
     GainChoice,
     Gains,
     balancing_gain,
+    balancing_input,
     choose_proved_gain,
     limits_for,
     longest_proved_period_from,
     needed_input,
     rounded_gain,
 )
-from stt_codegen.sampling.loops import condition_kinds_of, exact_loop, loop_of, path_loop_of, start_bound_of_task
+from stt_codegen.sampling.loops import (
+    condition_kinds_of,
+    exact_loop,
+    loop_of,
+    loop_without_limits,
+    path_loop_of,
+    start_bound_of_task,
+)
 from stt_codegen.sampling.numbers import FRACTIONS, Fractions
 from stt_codegen.sampling.order_two import (
     KNOWN_AGE_FACTOR,
@@ -63,6 +71,7 @@ __all__ = [
     "SampledLoop",
     "Windows",
     "balancing_gain",
+    "balancing_input",
     "bounds_of_task",
     "choose_proved_gain",
     "condition_kinds_of",
@@ -88,6 +97,7 @@ __all__ = [
     "longest_proved_period",
     "longest_proved_period_from",
     "loop_of",
+    "loop_without_limits",
     "measured_distances",
     "minimum_eigenvalue",
     "needed_input",

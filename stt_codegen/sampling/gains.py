@@ -30,6 +30,7 @@ from stt_codegen.sampling.periods import (
     smallest_bound_candidate,
 )
 from stt_codegen.sampling.sampled_loop import SampledLoop
+from stt_codegen.task import Task, is_within_norm, shares_of_norm
 
 Array = npt.NDArray[np.float64]
 GAIN_MULTIPLES = np.geomspace(1e-2, 1e2, 25)  # times the balancing gain
@@ -57,32 +58,40 @@ def longest_proved_period_from(shortest_period: float, kind: str, loop: SampledL
 
 
 def needed_input(loop: SampledLoop) -> Array:
-    """Return by component the |u| that balances the largest closing speed, the largest over the windows.
+    """Return by component the |u| that balances the largest closing speed, the largest over the windows."""
+    return np.asarray(balancing_input(loop.diagonal_min, loop.cross, loop.closing_speed).max(axis=0))
+
+
+def balancing_input(diagonal: Array, cross: Array, closing_speed: Array) -> Array:
+    """Return by window and component the |u| that balances the closing speed P, (W, n).
 
     It is the inverse of g's comparison matrix (g_ii on the diagonal, -|g_ij| elsewhere) times P, or P/g_ii where that matrix has
-    no inverse of positive entries.
+    no inverse of positive entries. diagonal: the least |g_ii|, (W, n). cross: the largest |g_ij|, (W, n, n).
     """
-    n = loop.closing_speed.shape[1]
-    matrix = np.eye(n) * np.maximum(loop.diagonal_min, 1e-300)[:, :, None] - loop.cross
+    matrix = np.eye(closing_speed.shape[1]) * np.maximum(diagonal, 1e-300)[:, :, None] - cross
     with np.errstate(all="ignore"):
-        uncoupled = loop.closing_speed / np.maximum(loop.diagonal_min, 1e-300)
+        uncoupled = closing_speed / np.maximum(diagonal, 1e-300)
         try:
-            coupled = np.linalg.solve(matrix, loop.closing_speed[:, :, None])[:, :, 0]
+            coupled = np.linalg.solve(matrix, closing_speed[:, :, None])[:, :, 0]
         except np.linalg.LinAlgError:
             coupled = uncoupled
-    return np.asarray(np.where((coupled >= uncoupled).all(axis=1, keepdims=True), coupled, uncoupled).max(axis=0))
+    return np.asarray(np.where((coupled >= uncoupled).all(axis=1, keepdims=True), coupled, uncoupled))
 
 
-def limits_for(loop: SampledLoop, factor: Fraction) -> tuple[Fraction, ...]:
-    """Return the limit of |u| by component: `factor` times the needed input, rounded up. loop: in doubles, its u_max is not read.
+def limits_for(task: Task, loop: SampledLoop, factor: Fraction) -> tuple[Fraction, ...]:
+    """Return the limit of |u| by component: `factor` times the needed input, rounded up, or what control.u_norm leaves of it.
 
-    A component that nothing moves has a small part of the others' input; where nothing moves at all, enough to cross the tube in
-    its time.
+    loop: in doubles, its u_max is not read. A component that nothing moves has a small part of the others' input; where nothing
+    moves at all, enough to cross the tube in its time. Beside limits that the task states, u_norm is used up to its end.
     """
-    needed = needed_input(loop)
+    needed, norm, stated = needed_input(loop), task.control.u_norm, task.stated_u_max
     crossing_speed = loop.windows.wide.max(axis=0) / loop.windows.times[-1]
     floor = needed.max() * SMALLEST_INPUT_SHARE if needed.any() else crossing_speed
-    return tuple(Fraction(str(above(factor * Fraction(v), LIMIT_DIGITS))) for v in np.maximum(needed, floor).tolist())
+    inputs = [Fraction(v) for v in np.maximum(needed, floor).tolist()]
+    limits = tuple(Fraction(str(above(factor * v, LIMIT_DIGITS))) for v in inputs)
+    if norm is None or (stated is None and is_within_norm(limits, norm)):
+        return limits
+    return shares_of_norm(inputs, norm, stated)
 
 
 def balancing_gain(loop: SampledLoop) -> Array:

@@ -75,6 +75,17 @@ def loop_of(
     return first_order_loop(windows, plant, law_of(task, edge_error, noise, latency), start_bound)
 
 
+def loop_without_limits(
+    task: Task, design: Design, edge_error: Sequence[Fraction], rate_error: Sequence[Fraction] = ()
+) -> SampledLoop:
+    """Return the loop, in doubles, of a task whose limits of u are not chosen yet. Its u_max has no meaning.
+
+    It has one at all because a velocity by differences cannot be read without one.
+    """
+    limits = ((task.control.u_norm or Fraction(task.dimension)) / task.dimension,) * task.dimension
+    return loop_of(task.with_choices(u_max=limits), design, edge_error, rate_error)
+
+
 def exact_loop(
     task: Task, design: RefinedDesign, edge_error: Sequence[Fraction], rate_error: Sequence[Fraction] = ()
 ) -> SampledLoop:

@@ -6,6 +6,7 @@ Large because the task format is here with all its checks: sets, missions, maps,
 from stt_codegen.task.assumed_plant import with_assumed_plant
 from stt_codegen.task.closed_axes import SET_TURNS_LIMIT, TWO_PI, ClosedAxis
 from stt_codegen.task.demands import require_offered
+from stt_codegen.task.input_norm import is_within_norm, shares_of_norm
 from stt_codegen.task.keys import task_keys
 from stt_codegen.task.load import json_schema, load_task, parse_task
 from stt_codegen.task.schema import DriveBounds
@@ -18,6 +19,7 @@ __all__ = [
     "ClosedAxis",
     "DriveBounds",
     "Task",
+    "is_within_norm",
     "json_schema",
     "load_task",
     "map",
@@ -26,6 +28,7 @@ __all__ = [
     "read_task_text",
     "require_offered",
     "sets",
+    "shares_of_norm",
     "task_keys",
     "with_assumed_plant",
 ]  # fmt: skip

@@ -51,6 +51,7 @@ DEMANDS: Mapping[str, Demand] = {  # by the capability, a field of `Capabilities
     "proves_limits": Demand("control.u_max", "a proof that u_max outdoes the bounds of [plant]", _limits_input),
     "proves_periods": Demand("control.period", "a proof for this period", lambda task: task.control.period is not None),
     "scales_input": Demand("control.saturate", "one factor for all of u", lambda task: task.scales_input),
+    "shares_norm": Demand("control.u_norm", "a bound on the norm of u", lambda task: task.control.u_norm is not None),
     "waits_outside": Demand("control.outside", "a controller that waits outside", lambda task: task.control.outside != "return"),
 }  # fmt: skip
 

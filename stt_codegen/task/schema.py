@@ -20,6 +20,7 @@ from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind, kin
 from stt_codegen.program import round_down
 from stt_codegen.program.targets import optional_targets
 from stt_codegen.properties import Property
+from stt_codegen.task.input_norm import is_within_norm
 from stt_codegen.task.mission import (
     AnyRegion,
     Formula,
@@ -154,6 +155,10 @@ class ControlOptions(TomlTable):
         default=None,
         description='saturation of the emitted u, or one bound for each component; "auto": 1.5 times what is needed, or more '
         'with a lag; absent: none, or "auto" with a period',
+    )
+    u_norm: Positive | None = Field(
+        default=None,
+        description="bound on the Euclidean norm of u, all components; each component is limited to the share that it needs",
     )
     saturate: Literal["clip", "scale"] = Field(
         default="clip", description="how u_max limits u: each component, or all of u by one factor, for g that couples"
@@ -347,9 +352,11 @@ class TaskTables(TomlTable):
 
     @property
     def has_automatic_limit(self) -> bool:
-        """Whether the pipeline has to choose u_max: it is "auto", or absent beside a period."""
-        u_max = self.control.u_max
-        return isinstance(u_max, str) or (u_max is None and self.control.period is not None)
+        """Whether the pipeline has to choose u_max: it is "auto", absent beside a period or u_norm, or beyond u_norm."""
+        limits, norm = self.stated_u_max, self.control.u_norm
+        if limits is None:
+            return self.control.u_max is not None or self.control.period is not None or norm is not None
+        return norm is not None and not is_within_norm(limits, norm)
 
     @property
     def resting_error(self) -> Fraction:
@@ -375,6 +382,11 @@ class TaskTables(TomlTable):
     @property
     def u_max(self) -> tuple[Fraction, ...] | None:
         """The saturation of u by component; None for none, and while it is not chosen."""
+        return None if self.has_automatic_limit else self.stated_u_max
+
+    @property
+    def stated_u_max(self) -> tuple[Fraction, ...] | None:
+        """The numbers of control.u_max by component, of which u_norm may allow a part only; None where it has none."""
         u_max = self.control.u_max
         return None if u_max is None or isinstance(u_max, str) else self._per_component(u_max)
 

@@ -210,8 +210,18 @@ class Task(TaskTables):
     @property
     def has_chosen_limit(self) -> bool:
         """Whether u_max was chosen for the tube."""
+        return self.u_max is not None and self.control.u_max != self._stated_tables[0].u_max
+
+    @property
+    def limit_caps(self) -> tuple[Fraction, ...] | None:
+        """The limits of u that the task states by component, whatever was chosen within them; None for none."""
         stated = self._stated_tables[0].u_max
-        return self.u_max is not None and (stated is None or isinstance(stated, str))
+        return None if stated is None or isinstance(stated, str) else self._per_component(stated)
+
+    @property
+    def limit_key(self) -> str:
+        """The key of the task file to raise where u is too small: that of its norm, where u_max is what the norm leaves."""
+        return "control.u_norm" if self.has_chosen_limit and self.control.u_norm is not None else "control.u_max"
 
     @property
     def has_gentle_gain(self) -> bool:

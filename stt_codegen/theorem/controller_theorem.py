@@ -99,7 +99,7 @@ UNREAD_KEYS = {
     "target_set": "vertices centre radius motion",
     "unsafe": "motion during timing spread",
     "tube": "filter adaptive",
-    "control": "velocity period_min rest reserve",
+    "control": "velocity period_min rest reserve u_norm",
     "emit": "",
     "plant": "order noise_v lag lag2 slew overshoot exact",
 }

@@ -20,6 +20,8 @@ from stt_codegen.sampling import (
     exact_loop,
     limits_for,
     loop_of,
+    loop_without_limits,
+    needed_input,
     path_loop_of,
     prove_for_period,
     rounded_gain,
@@ -48,9 +50,9 @@ class ControlChoice(NamedTuple):
 def choose_control(task: Task, design: RefinedDesign, edge_error: Sequence[Fraction], rate: Sequence[Fraction] = ()) -> Task:
     """Return the task with what it leaves open chosen for this tube: its plant, u_max and the gain.
 
-    u_max is 1.5 times the needed input. Where the drive lags it is the first of LIMIT_FACTORS that is proved with the reserve, or
-    the one with the largest part of it; the same where 1.5 times is not proved at all. edge_error, rate: bounds on the
-    arithmetic's error of an edge and of its rate, by dimension.
+    u_max is 1.5 times the needed input, or what control.u_norm leaves of that. Where the drive lags it is the first of
+    LIMIT_FACTORS that is proved with the reserve, or the one with the largest part of it; the same where 1.5 times is not proved
+    at all. edge_error, rate: bounds on the arithmetic's error of an edge and of its rate, by dimension.
     """
     task, errors = with_assumed_plant(task, design.edge_speed_bounds()), (edge_error, rate)
     if not (task.has_automatic_limit or task.has_automatic_gain):
@@ -77,7 +79,14 @@ def is_any_control_proved(
     """
     task, errors = with_assumed_plant(task, design.edge_speed_bounds()), (edge_error, rate)
     limited_tasks = _with_limits(task, design, errors, (LIMIT_FACTORS[0], LIMIT_FACTORS[-1]))
+    if task.control.u_norm is not None:  # without authority no gain is proved, and the search would take long to say so
+        limited_tasks = (v for v in limited_tasks if _has_authority(loop_of(v, design, *errors)))
     return any(_with_gain(limited_task, design, errors, Fraction(1)).is_proved for limited_task in limited_tasks)
+
+
+def _has_authority(loop: SampledLoop) -> bool:
+    """Return whether u outweighs all that acts, in every component."""
+    return bool((needed_input(loop) < loop.law.u_max).all())
 
 
 def _with_limits(task: Task, design: RefinedDesign, errors: ArithmeticErrors, factors: Sequence[Fraction]) -> Iterator[Task]:
@@ -85,9 +94,9 @@ def _with_limits(task: Task, design: RefinedDesign, errors: ArithmeticErrors, fa
     if not task.has_automatic_limit:
         yield task
         return
-    # the input that is needed does not depend on the limit, and a velocity by differences cannot be read without one
-    loop = loop_of(task.with_choices(u_max=(Fraction(1),) * task.dimension), design, *errors)
-    yield from (task.with_choices(u_max=limits_for(loop, factor)) for factor in factors)
+    loop = loop_without_limits(task, design, *errors)
+    limits = dict.fromkeys(limits_for(task, loop, factor) for factor in factors)  # control.u_norm may leave the same of several
+    yield from (task.with_choices(u_max=limit) for limit in limits)
 
 
 def _with_gain(task: Task, design: RefinedDesign, errors: ArithmeticErrors, reserve: Fraction) -> ControlChoice:

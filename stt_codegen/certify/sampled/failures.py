@@ -40,7 +40,11 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
     if weak is not None:
         needed, limit = needed_input(loop)[weak], loop.law.u_max[weak]
         against = f"|u| = {above(Fraction(needed), 3):g} balances what the edges, f, w and coupling do at most"
-        return PeriodFailure(f"in {task.axis_words[weak]} {against}, and control.u_max is {limit:g}", weak)
+        norm = task.control.u_norm if task.has_chosen_limit else None
+        limit_words = (
+            f"control.u_max is {limit:g}" if norm is None else f"control.u_norm = {decimal(norm)} leaves {limit:g} there"
+        )
+        return PeriodFailure(f"in {task.axis_words[weak]} {against}, and {limit_words}", weak)
     gain = f"gain {by_component(task.gain)}"
     if task.uses_differences:  # the error of v is known for the task's own period alone
         problem = f"control.period = {decimal(task.sampling_period)} s is not proved with {gain} and a velocity by differences"

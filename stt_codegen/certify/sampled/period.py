@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stt_codegen.certify.certificate import Finding, PeriodProof
+from stt_codegen.certify.limits import sufficient_norm
 from stt_codegen.certify.sampled.failures import LongestProof, explain_period
 from stt_codegen.certify.sampled.late_inputs import DIFFERENCES_ADVICE, drive_words, prove_late_period
 from stt_codegen.certify.sampled.lost_turns import LostTurn, lost_turn
@@ -31,6 +32,7 @@ from stt_codegen.sampling import (
     inputs_where_proved,
     longest_proved_period,
     loop_of,
+    needed_input,
     path_loop_of,
     prove_for_period,
 )
@@ -58,9 +60,10 @@ def certify_period(
     proof, margin = evidence.proof, evidence.margin
     if proof is None:
         failure = explain_period(task, loop, evidence.longest)
-        hint = DIFFERENCES_ADVICE if task.uses_differences else ""
+        hint = DIFFERENCES_ADVICE if task.uses_differences else f"lower control.period, or raise {task.limit_key}"
         axis = None if failure.axis is None else failure.axis + 1
-        sufficient = () if evidence.longest is None else (("control.period", evidence.longest.seconds),)
+        sufficient = sufficient_norm(task, [Fraction(v) for v in needed_input(loop).tolist()])
+        sufficient += () if evidence.longest is None else (("control.period", evidence.longest.seconds),)
         finding = Finding(Property.PERIOD, _statement(task), margin, Fraction(0), dimension=axis, advice=hint)
         return replace(finding, problem=failure.problem, sufficient=sufficient, about=failure.about), None
     if (lost := lost_turn(task, design, proof)) is not None:
@@ -227,7 +230,9 @@ def _statement(task: Task) -> str:
         starts += f" and |v(0)| <= {at_most}" if any(task.start_speed) else " at rest"
         bounds += [f"v measured to {decimal(plant.noise_v)}"] if plant.noise_v else []
     if task.has_chosen_limit and task.u_max is not None:
-        bounds += [f"u limited to {by_component(task.u_max)}, which was chosen"]
+        norm = task.control.u_norm
+        reason = "" if norm is None else f" so that its Euclidean norm is at most {decimal(norm)}"
+        bounds += [f"u limited to {by_component(task.u_max)}, which was chosen{reason}"]
     often = "s or faster"
     if task.uses_differences:
         often = f"s or faster, but not below {decimal(task.shortest_period)} s, with v = (x - x before) / time between"

@@ -34,9 +34,8 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     bits = BITS[scalar]
     if task.turns:
         task.turns.add_noise(bits)
-    if task.leaves_limit:  # the certificate's, which all proofs take; it must be as the C has it
-        task.u_max = fractions(certificate["control"]["u_max"], task.n)
-        require(min(task.u_max) > 0, "the certificate's u_max is not positive")
+    if task.leaves_limit:
+        task.u_max = _read_limits(task, certificate["control"])
     unit, cuts, seam = _check_grid(certificate["grid"], task)
     if scalar == "fixed":
         from .integers import Integers
@@ -86,6 +85,16 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
     properties = {"P1 to " + ("P8" if task.proves_limits else "P7"): True, "P9": task.period, "P10": "mission" in task.document}
     proved = " and ".join(name for name, is_proved in properties.items() if is_proved)
     return f"{proved} hold, and the C is the listing of this tube and this law; {segments} segments, {task.n} dimensions"
+
+
+def _read_limits(task: Task, control: dict[str, Any]) -> Numbers:
+    """Return the limits of u that the certificate chooses, which all proofs take; the C must have them."""
+    chosen, caps, norm = fractions(control["u_max"], task.n), task.caps, task.u_norm
+    is_allowed = min(chosen) > 0 and all(a <= b for a, b in zip(chosen, caps or chosen, strict=True))
+    require(is_allowed, "the certificate's u_max is not positive, or above the task's")
+    is_within = norm is None or sum(v * v for v in chosen) <= norm * norm
+    require(is_within, "the certificate's u_max allows a u whose norm is above u_norm")
+    return chosen
 
 
 def _check_keys(task: Task, certificate: dict[str, Any]) -> str:
@@ -142,7 +151,9 @@ def _check_constants(task: Task, certificate: Any, bits: int, scalar: str) -> tu
     """Return gains and filters (lambda, for order 2) of the certificate: the task's, or chosen where the task leaves them
     open."""
     control = certificate["control"]
-    require({*control} == {"gain", "e_max", "u_max"}, "the certificate's control is unknown")
+    norm = {} if task.u_norm is None else {"u_norm": str(task.u_norm)}
+    is_known = {*control} == {"gain", "e_max", "u_max", *norm} and all(same(control[k], v) for k, v in norm.items())
+    require(is_known, "the certificate's control is unknown, or its u_norm is not the task's")
     gain = fractions(control["gain"], task.n)
     require(task.gain in (None, gain), "the certificate's gain is not the task's")
     is_signed = min(gain) > 0 or (task.gain is not None and max(gain) < 0)  # a gain that was chosen is positive

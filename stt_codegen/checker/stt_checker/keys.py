@@ -15,7 +15,7 @@ KNOWN_KEYS = {
     "region": f"name any_of axes {SET_KEYS}",
     "mission": "visit between stay then within never before patrol every until formula",
     "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
-    "control": "gain rest reserve e_max u_max period latency outside velocity period_min saturate",
+    "control": "gain rest reserve e_max u_max u_norm period latency outside velocity period_min saturate",
     "emit": "scalar math tick_period selftest rust",
     "plant": "order f_max w_max g_min g_max g_cross noise noise_v lag lag2 slew overshoot exact",
 }  # fmt: skip

@@ -128,8 +128,11 @@ class Task:
         gain = control.get("gain", Decimal("0.5") if self.period is None else "auto")
         self.gain = None if gain in ("auto", "tight") else numbers(gain, n)
         self.e_max = numbers(control.get("e_max", Decimal("0.99")), n)
-        self.leaves_limit = control.get("u_max", None if self.period is None else "auto") == "auto"
-        self.u_max = numbers(control["u_max"], n) if "u_max" in control and not self.leaves_limit else None
+        self.u_norm = number(control["u_norm"]) if "u_norm" in control else None
+        limit = control.get("u_max", None if self.period is None else "auto")
+        self.caps = None if limit in (None, "auto") else numbers(limit, n)  # a norm of u may leave less
+        self.leaves_limit = limit == "auto" or self.u_norm is not None
+        self.u_max = None if self.leaves_limit else self.caps
         self.scales, self.outside = control.get("saturate", "clip") == "scale", control.get("outside", "return")
         self.differs = control.get("velocity", "measured") == "differences"
         self.shortest = None  # the least time between two samples, where v is by differences
@@ -143,9 +146,9 @@ class Task:
     def _refuse_contradictions(self, plant: dict[str, Any], control: dict[str, Any]) -> None:
         """Refuse values out of range, and combinations of which nothing is proved."""
         bounds = [v for values in self.plant.values() for v in values or []]
-        rates = [*(self.max_speed or []), *(self.max_acceleration or []), *(self.u_max or []), *(self.filter or [])]
+        rates = [*(self.max_speed or []), *(self.max_acceleration or []), *(self.caps or []), *(self.filter or [])]
         gains = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or [])]
-        times = [v for v in (self.t_c, self.period, self.shortest, self.tick) if v is not None]
+        times = [v for v in (self.t_c, self.period, self.shortest, self.tick, self.u_norm) if v is not None]
         has_mission, is_equal = "mission" in self.document, self.u_max is not None and len({*self.u_max}) == 1
         is_equal &= self.gain is None or len({*self.gain}) == 1
         lists = any(isinstance(v, list) for v in plant.values())
@@ -153,7 +156,7 @@ class Task:
             (min([*times, self.share, *self.e_max, *rates, *gains]) <= 0, "a number that is not positive"),
             (max(self.share, *self.e_max) >= 1, "a share or an e_max that is not below 1"),
             (bool(self.drive.stated) and self.period is None, "a drive where nothing is proved about it"),
-            (self.leaves_limit and self.period is None, "a u_max to be chosen without a period"),
+            (self.leaves_limit and self.period is self.u_norm is None, "a u_max to be chosen without a period"),
             (type(plant.get("exact", False)) is not bool, "an `exact` that is neither true nor false"),
             (plant.get("exact") is True and any(self.plant[k] for k in ("f_max", "w_max", "g_min", "g_max", "g_cross")),
              "an exact plant with bounds"),

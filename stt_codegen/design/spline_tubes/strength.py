@@ -19,6 +19,7 @@ from stt_codegen.sampling import (
     condition_kinds_of,
     limits_for,
     loop_of,
+    loop_without_limits,
     needed_input,
 )
 from stt_codegen.task import Task, with_assumed_plant
@@ -58,8 +59,8 @@ def _loop_with_choices(task: Task, design: RefinedDesign, allowance: Fraction) -
     edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
     task = with_assumed_plant(task, design.edge_speed_bounds())
     if task.has_automatic_limit:
-        unlimited = loop_of(task.with_choices(u_max=(Fraction(1),) * task.dimension), design, edge, rate)
-        task = task.with_choices(u_max=limits_for(unlimited, LIMIT_FACTORS[0]))
+        unlimited = loop_without_limits(task, design, edge, rate)
+        task = task.with_choices(u_max=limits_for(task, unlimited, LIMIT_FACTORS[0]))
     return task, loop_of(task, design, edge, rate)
 
 

@@ -27,6 +27,9 @@ REFERENCE_ERROR = Fraction(1, 2)  # |e| at which the resting gain is computed on
 def choice_lines(controller: EmittedController) -> Iterator[str]:
     """Yield what was chosen for the tube: the limit of u, and the gain with its reserves and its answer to noise."""
     task, certificate = controller.task, controller.certificate
+    if certificate.holds and task.control.u_norm is not None and task.u_max is not None:
+        limits = by_component(task.u_max)
+        yield f"|u|, the Euclidean norm, is at most {decimal(task.control.u_norm)}: u_max {limits} by component keeps it"
     if certificate.proved_period is None:
         return
     design = require_refined(controller.design)

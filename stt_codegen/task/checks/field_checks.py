@@ -15,7 +15,9 @@ from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.program.targets import targets_of
 from stt_codegen.task.added_names import ADDED_NAMES
 from stt_codegen.task.checks.mission_checks import mission_problem
+from stt_codegen.task.checks.schema_messages import ONE_SIGN_REMEDY
 from stt_codegen.task.checks.set_checks import axes_problem, entries_problem, motion_problem, set_problem
+from stt_codegen.task.input_norm import shares_of_norm
 from stt_codegen.task.schema import DRIVE_BOUNDS, PLANT_BOUNDS, TaskTables
 from stt_codegen.task.sets import (
     Box,
@@ -281,6 +283,20 @@ def _scale_problem(task: TaskTables) -> str | None:
     return None
 
 
+def _norm_problem(task: TaskTables, norm: Fraction) -> str | None:
+    """Return why the norm of u cannot be limited by components, or None."""
+    if not task.tube.capabilities.shares_norm:
+        kinds = kinds_offering("shares_norm")
+        return f"is for {kinds} tubes, for which each component's share is known; give control.u_max by component"
+    if task.control.saturate == "scale":
+        equal_limit = shares_of_norm((Fraction(0),) * task.dimension, norm)[0]
+        return (
+            'gives each component its own limit, and saturate = "scale" has one limit for all; leave u_norm out and give '
+            f"control.u_max = {decimal(equal_limit)}, which keeps |u| within {decimal(norm)}"
+        )
+    return None
+
+
 def _outside_problem(task: TaskTables) -> str | None:
     """Return why control.outside cannot be carried out once x is outside the tube, or None."""
     kind = task.control.outside
@@ -347,15 +363,17 @@ def _control_problem(task: TaskTables) -> str | None:
     for i, clamp in enumerate(task.e_max):
         if not 0 < clamp < 1:
             return f"{entry('e_max', i)}: is {decimal(clamp)}; it must lie strictly between 0 and 1, for example 0.99"
-    for i, bound in enumerate(task.u_max or ()):
+    for i, bound in enumerate(task.stated_u_max or ()):
         if bound <= 0:
-            return f"{entry('u_max', i)}: is {decimal(bound)}; it must be greater than 0"
+            return f"{entry('u_max', i)}: is {decimal(bound)}; it must be greater than 0: {ONE_SIGN_REMEDY}"
     share, clamp, tick = task.initial_set.share, min(task.e_max), task.emit.tick_period
     if control.period is not None and share >= clamp:
         reason = f"not below control.e_max = {decimal(clamp)}, where the law is clamped"
         return f"initial_set.share: is {decimal(share)}, {reason}; lower the share or raise e_max"
     if control.period is not None and tick is not None and tick > control.period:
         return f"emit.tick_period: is {decimal(tick)}, above control.period = {decimal(control.period)}; use that or less"
+    if control.u_norm is not None and (problem := _norm_problem(task, control.u_norm)):
+        return f"control.u_norm: {problem}"
     if control.saturate == "scale" and (problem := _scale_problem(task)):
         return f'control.saturate: is "scale", {problem}'
     if problem := _outside_problem(task):
@@ -368,12 +386,14 @@ def _choice_problem(task: TaskTables) -> str | None:
     control = task.control
     if control.period is None:
         for name in ("gain", "u_max"):
-            if isinstance(rule := getattr(control, name), str):
+            is_bounded = name == "u_max" and control.u_norm is not None
+            if isinstance(rule := getattr(control, name), str) and not is_bounded:
                 return f'control.{name}: is "{rule}", which needs control.period; give the seconds between samples, or a number'
     is_gentle = task.has_automatic_gain and control.gain != "tight"
+    chooses_limit = task.has_automatic_limit and task.stated_u_max is None and control.period is not None
     for name, is_read, rules in (
         ("rest", is_gentle, 'control.gain is "auto"'),
-        ("reserve", is_gentle or task.has_automatic_limit, 'control.gain or control.u_max is "auto"'),
+        ("reserve", is_gentle or chooses_limit, 'control.gain or control.u_max is "auto"'),
     ):
         if getattr(control, name) is not None and not is_read:
             return f"control.{name}: is read where {rules}; leave it out, or let the tool choose"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+from decimal import Decimal
+from fractions import Fraction
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -16,6 +18,11 @@ FIELDS_BY_SHAPE = [fields_of_shape(table) for table in SET_TABLES]
 SHAPE_FIELDS = {field for fields in FIELDS_BY_SHAPE for field in fields}
 *_first, _last = (" and ".join(fields) for fields in FIELDS_BY_SHAPE)
 SHAPES = f"{', '.join(_first)}, or {_last}"
+
+ONE_SIGN_REMEDY = (
+    "the law is odd, so u must reach as far one way as the other. For an input of one sign write u = u_0 + v, add g u_0 to f in "
+    '[plant], and limit v by u_max = min(u_0 - lower, upper - u_0) (docs/drive.md, "Inputs of one sign")'
+)
 
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
@@ -48,6 +55,8 @@ def _unknown_key_message(location: tuple[int | str, ...], model: type[BaseModel]
     """Return the message for a key that its table does not have: a similar key, the table that has it, or the known keys."""
     if location[0] == "unsafe" and location[-1] in SHAPE_FIELDS:
         return f"stands beside fields of another shape; a set has one, {SHAPES}"
+    if location == ("control", "u_min"):
+        return f"unknown key; {ONE_SIGN_REMEDY}"
     if close := _close(location, model):
         return f"unknown key; did you mean {close[0]!r}?"
     table = next((name for name, f in model.model_fields.items() if str(location[-1]) in _keys(f.annotation)), None)
@@ -59,6 +68,12 @@ def _unknown_key_message(location: tuple[int | str, ...], model: type[BaseModel]
 def _value_message(field: str, error: ErrorDetails) -> str:
     """Return the message for a value of a wrong type or out of range."""
     kind, value, context = error["type"], error.get("input"), error.get("ctx", {})
+    if error["loc"][:2] == ("control", "u_max") and (ends := _two_ends(value)):
+        low, high = ends
+        example = (
+            f"here u_0 = {(low + high) / 2:g} and u_max = {(high - low) / 2:g}" if low < high else "give the lower one first"
+        )
+        return f"is [{low:g}, {high:g}]; one number is needed: {ONE_SIGN_REMEDY}; {example}"
     if kind == "value_error":
         return str(context["error"])
     if kind in ("string_pattern_mismatch", "string_too_long"):
@@ -78,6 +93,18 @@ def _value_message(field: str, error: ErrorDetails) -> str:
         "string_type": "text in quotes is needed",
     }
     return f"is {kind_of(value)}; {needed.get(kind, error['msg'])}"
+
+
+def _two_ends(value: object) -> tuple[float, float] | None:
+    """Return the ends of a range of u that stands where one number is needed; None where the value is no pair of numbers."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        return None
+    if any(isinstance(v, bool) or not isinstance(v, int | float | Decimal | Fraction) for v in value):
+        return None
+    try:
+        return float(value[0]), float(value[1])
+    except OverflowError:
+        return None
 
 
 def _keys(annotation: Any) -> set[str]:

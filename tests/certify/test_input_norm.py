@@ -1,0 +1,404 @@
+"""control.u_norm: the emitted u never has a larger Euclidean norm, the shares are what the tube needs, and the checker compares."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from benchmarks.suites.remedies import remedies_of, with_remedy
+from stt_codegen import pipeline
+from stt_codegen.designs import require_refined
+from stt_codegen.effort import Effort
+from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.pipeline import EmittedController, build_task
+from stt_codegen.program.targets.c.runner import CompiledC
+from stt_codegen.remedies import Trials
+from stt_codegen.remedies.adjustments import adjustments_of
+from stt_codegen.remedies.remedy_search import smallest_change
+from stt_codegen.report.figures.control_notes import choice_lines
+from stt_codegen.task import Task, is_within_norm, parse_task, shares_of_norm
+from tests.certify.test_control_choice import STATED
+from tests.support.checked_files import (
+    REFUSED,
+    UNUSABLE,
+    VERIFIED,
+    Files,
+    certificate_of,
+    verdict,
+    with_certificate,
+    with_hashes,
+    with_text,
+)
+from tests.support.controllers import ROOT, build_once
+
+SAMPLED = STATED.replace("period = 0.02", "period = 0.02\nu_norm = 1.5")
+CONTINUOUS = SAMPLED.replace("period = 0.02\n", "").replace("noise = 0.002\n", "")
+INERTIAL = CONTINUOUS.replace("[plant]", "[plant]\norder = 2").replace("u_norm = 1.5", "u_norm = 4")
+# The second axis needs 1.6 times as much as the first.
+UNEVEN = SAMPLED.replace("w_max = 0.1", "w_max = [0.1, 0.5]").replace("u_norm = 1.5", "u_norm = 1.7")
+EMISSIONS = {
+    "float": "",
+    "double": '\n[emit]\nscalar = "double"\n',
+    "fixed": '\n[emit]\nscalar = "fixed"\ntick_period = 0.001\n',
+}
+# On the sphere exactly: the certificate chooses [3, 4], and one unit more of either is outside.
+TOUCHING = SAMPLED.replace("u_norm = 1.5", "u_norm = 5\nu_max = [3, 4]")
+NUMBERS = st.fractions(min_value=Fraction(1, 1000), max_value=1000, max_denominator=10**6)
+
+
+def files_of(controller: EmittedController, text: str) -> Files:
+    return {**controller.files, "task.toml": text.encode()}
+
+
+def squares(values: Any) -> Fraction:
+    """Return the sum of the squares of numbers, exactly."""
+    return sum((Fraction(v) ** 2 for v in values), Fraction(0))
+
+
+# ------------------------------------------------------------------------------------------------------------ the shares
+
+
+@settings(deadline=None)
+@given(st.lists(NUMBERS | st.just(Fraction(0)), min_size=1, max_size=6), NUMBERS, st.data())
+def test_shares_are_within_the_ball_and_the_caps_and_no_larger_ones_are(
+    needed: list[Fraction], norm: Fraction, data: Any
+) -> None:
+    caps = data.draw(st.none() | st.lists(NUMBERS, min_size=len(needed), max_size=len(needed)))
+    shares = shares_of_norm(needed, norm, caps)
+    assert min(shares) > 0
+    assert squares(shares) <= norm**2
+    free = [i for i, v in enumerate(shares) if caps is None or v < caps[i]]
+    assert all(v <= cap for v, cap in zip(shares, caps or shares, strict=True))
+    if free:
+        larger = [v * Fraction("1.00003") if i in free else v for i, v in enumerate(shares)]
+        assert squares(larger) > norm**2
+    largest = max(needed)
+    ratios = [shares[i] / needed[i] for i in free if largest and needed[i] >= largest / 50]
+    assert not ratios or max(ratios) <= min(ratios) * Fraction("1.00003")
+    assert is_within_norm(shares, norm)
+
+
+@pytest.mark.parametrize("text", [SAMPLED, UNEVEN, CONTINUOUS, INERTIAL])
+def test_every_component_has_the_same_reserve(text: str) -> None:
+    """Where the norm binds, the limits are in proportion to the needed inputs, and all of the norm is used."""
+    task = parse_task(text)
+    norms = [Fraction(task.control.u_norm or 0) * v for v in (Fraction(1), Fraction(98, 100))]
+    limits = [build_once(task.changed(control={"u_norm": norm})).task.u_max for norm in norms]
+    for norm, limit in zip(norms, limits, strict=True):
+        assert limit is not None
+        assert norm**2 * Fraction("0.9999") <= squares(limit) <= norm**2
+    first, second = limits
+    assert [float(a / b) for a, b in zip(first or (), second or (), strict=True)] == pytest.approx([1 / 0.98] * 2, rel=1e-4)
+
+
+def test_a_norm_beyond_the_automatic_limits_changes_nothing_that_acts() -> None:
+    text = SAMPLED.replace("u_norm = 1.5", "u_norm = 50")
+    plain, bounded = build_once(parse_task(STATED)), build_once(parse_task(text))
+    assert (plain.task.u_max, plain.task.gain) == (bounded.task.u_max, bounded.task.gain)
+
+
+def test_the_shares_succeed_where_the_equal_split_fails() -> None:
+    equal = shares_of_norm([Fraction(0)] * 2, Fraction("1.7"))
+    controller = build_once(parse_task(UNEVEN))
+    assert controller.certificate.holds
+    first, second = controller.task.u_max or ()
+    assert first < equal[0] < second
+    split = parse_task(UNEVEN.replace("u_norm = 1.7", f"u_max = {float(equal[0])}"))
+    with pytest.raises(NotCertified, match="period \\(P9\\): in dimension 2 "):
+        build_task(split, effort=Effort(0.0))
+    assert not pipeline.attempt(split, controller.design).certificate.holds
+
+
+def test_without_a_period_the_tube_is_designed_within_the_shares() -> None:
+    """At 1.02 the tube that is found without limits needs more than the norm, and a slower one is within it."""
+    task = parse_task(CONTINUOUS.replace("u_norm = 1.5", "u_norm = 1.02"))
+    unlimited = task.changed(control={"u_norm": 50})
+    assert not pipeline.attempt(task, pipeline.preferred_tube(unlimited)).certificate.holds
+    controller = build_once(task)
+    assert controller.certificate.holds
+    assert controller.task.u_max is not None
+    assert any(finding.code == "P8" for finding in controller.certificate.findings)
+
+
+# ----------------------------------------------------------------------------------------------------- the emitted code
+
+
+class Attack:
+    """A search for the largest |u| of emitted C. u counts units of 2^-bits where the C is in integers."""
+
+    def __init__(self, controller: EmittedController) -> None:
+        self.controller, self.code, self.rng = controller, CompiledC(controller), np.random.default_rng(11)
+        self.is_integer = controller.task.emit.scalar == "fixed"
+        self.states = 2 if controller.task.order == 2 else 1
+
+    def norms(self, times: np.ndarray, *states: np.ndarray) -> list[Fraction]:
+        """Return |u|^2 at every point, exactly."""
+        u = self.code.call("control", times, *states)[-1]
+        unit = Fraction(1, 1 << certificate_of(dict(self.controller.files))["integers"]["u_bits"]) if self.is_integer else 1
+        return [squares(Fraction(v) * unit for v in row) for row in u.tolist()]
+
+    def points(self, count: int) -> list[np.ndarray]:
+        """Return random times and states: in the tube, beside it, far from it, and none that a sensor gives."""
+        n = self.controller.task.dimension
+        if self.is_integer:
+            bits = require_refined(self.controller.design).bits
+            near = self.rng.uniform(-1, 5, (count, n)) * 2.0**bits
+            far = self.rng.choice([-(2**31), 2**31 - 1, 0, 1], (count, n))
+            times = self.rng.choice([0, 1, 5999, 6000, 6001, 2**32 - 1, *self.rng.integers(0, 6000, 20)], count)
+            return [times, *(np.where(self.rng.random((count, n)) < 0.8, near, far).astype(np.int64) for _ in range(self.states))]
+        special = [np.inf, -np.inf, np.nan, 1e30, -1e30, 1e-42, 0.0, -0.0]
+        values = [self.rng.uniform(-1, 5, (count, n)) for _ in range(self.states)]
+        far = self.rng.choice(special, (count, n))
+        times = self.rng.choice([0.0, 6.0, 7.0, -1.0, *special, *self.rng.uniform(0, 6, 20)], count)
+        return [times, *(np.where(self.rng.random((count, n)) < 0.8, v, far) for v in values)]
+
+    def largest(self, count: int = 4000, climbs: int = 5) -> Fraction:
+        """Return the largest |u|^2 of random points, and of steps away from the best of them."""
+        points = self.points(count)
+        best = 0 * Fraction(1)
+        for _ in range(climbs):
+            norms = self.norms(*points)
+            best = max([best, *norms])
+            order = sorted(range(len(norms)), key=norms.__getitem__)[-40:]
+            times, *states = (np.repeat(values[order], 25, axis=0) for values in points)
+            scale = 2.0**12 if self.is_integer else 0.05
+            moved = [np.nan_to_num(v.astype(float)) + self.rng.normal(0, scale, v.shape) for v in states]
+            points = [times, *(np.clip(v, -(2**31), 2**31 - 1).astype(np.int64) if self.is_integer else v for v in moved)]
+        return best
+
+
+@pytest.mark.parametrize("scalar", EMISSIONS)
+@pytest.mark.parametrize("text", [SAMPLED, CONTINUOUS, UNEVEN, INERTIAL])
+def test_no_state_and_no_time_gives_a_larger_norm(text: str, scalar: str) -> None:
+    """The search is strong enough: it comes within a ten thousandth of the norm, or of what was chosen below it."""
+    controller = build_once(parse_task(text + EMISSIONS[scalar]))
+    norm, limits = controller.task.control.u_norm, controller.task.u_max
+    assert norm is not None
+    assert limits is not None
+    largest = Attack(controller).largest()
+    assert squares(limits) * Fraction("0.9998") <= largest <= norm**2
+
+
+def test_the_attack_finds_limits_that_are_too_large() -> None:
+    """The law can fail: with an entry of the table above its share, the search finds a u outside of the ball."""
+    controller = build_once(parse_task(CONTINUOUS))
+    source = controller.files["cart.c"].decode()
+    (table,) = re.findall(r"cart_u_max\[2\] = \{.*?\}", source, re.S)
+    files = {**controller.files, "cart.c": source.replace(table, "cart_u_max[2] = { 1.02F, 1.11F }").encode()}
+    changed = EmittedController(controller.task, controller.design, controller.program, controller.certificate, files)
+    assert Attack(changed).largest() > Fraction("1.5") ** 2
+
+
+@pytest.mark.parametrize("text", [SAMPLED, CONTINUOUS, INERTIAL])
+def test_header_and_design_say_the_norm(text: str) -> None:
+    controller = build_once(parse_task(text))
+    norm = float(controller.task.control.u_norm or 0)
+    header = re.sub(r"\s+\*\s+", " ", controller.files["cart.h"].decode())
+    assert f"its Euclidean norm is at most {norm:g}." in header
+    assert any(f"the Euclidean norm, is at most {norm:g}" in line for line in choice_lines(controller))
+
+
+# ---------------------------------------------------------------------------------------------------------- the checker
+
+
+@pytest.mark.parametrize("scalar", EMISSIONS)
+@pytest.mark.parametrize("text", [SAMPLED, CONTINUOUS, INERTIAL, TOUCHING, TOUCHING.replace("[3, 4]", "[9, 0.9]")])
+def test_the_checker_verifies_what_is_chosen_and_what_is_stated(text: str, scalar: str, tmp_path: Path) -> None:
+    text += EMISSIONS[scalar]
+    answer = verdict(files_of(build_once(parse_task(text)), text), tmp_path)
+    assert answer.code == VERIFIED, answer.message
+
+
+@pytest.mark.parametrize(("scalar", "bits"), [("float", 24), ("double", 53)])
+def test_the_checker_refuses_a_box_that_leaves_the_ball_by_one_unit(scalar: str, bits: int, tmp_path: Path) -> None:
+    """The task leaves the limits open, so that [3, 4] of the certificate is one choice, and verified; one unit more is not."""
+    honest = files_of(build_once(parse_task(TOUCHING + EMISSIONS[scalar])), TOUCHING + EMISSIONS[scalar])
+    open_limits = with_hashes(honest | {"task.toml": honest["task.toml"].replace(b"u_max = [3, 4]", b"u_max = [4, 4]")})
+    message = verdict(open_limits, tmp_path).message
+    assert "norm" not in message
+    larger_limit = 3 + Fraction(4, 1 << bits)  # the next number of the scalar above 3
+    (table,) = re.findall(r"u_max\[2\] = \{.*?\}", honest["cart.c"].decode(), re.S)
+    larger = with_text(open_limits, "cart.c", table, table.replace("3.0", repr(float(larger_limit))))
+    certificate = certificate_of(larger)
+    certificate["control"]["u_max"] = [str(larger_limit), "4"]
+    answer = verdict(with_certificate(larger, certificate), tmp_path)
+    assert answer.code == REFUSED
+    assert "allows a u whose norm is above u_norm" in answer.message
+
+
+def changed_control(files: Files, **values: Any) -> Files:
+    """Return the files with other values in the certificate's `control`; None removes one."""
+    certificate = certificate_of(files)
+    certificate["control"] |= values
+    certificate["control"] = {name: v for name, v in certificate["control"].items() if v is not None}
+    return with_certificate(files, json.loads(json.dumps(certificate)))
+
+
+@pytest.mark.parametrize(
+    ("control", "message"),
+    [
+        ({"u_norm": None}, "control is unknown, or its u_norm is not the task's"),
+        ({"u_norm": "2"}, "u_norm is not the task's"),
+        ({"u_norm": ["3/2"]}, "u_norm is not the task's"),
+        ({"u_max": ["1", "2"]}, "allows a u whose norm is above u_norm"),
+        ({"u_max": ["-1", "1"]}, "u_max is not positive, or above"),
+        ({"u_max": ["1"]}, "no list of fractions"),
+    ],
+)
+def test_the_checker_refuses_a_control_that_does_not_keep_the_norm(control: Any, message: str, tmp_path: Path) -> None:
+    files = files_of(build_once(parse_task(SAMPLED)), SAMPLED)
+    answer = verdict(changed_control(files, **control), tmp_path)
+    assert answer.code == REFUSED
+    assert message in answer.message
+
+
+def test_the_checker_refuses_limits_above_the_stated_ones(tmp_path: Path) -> None:
+    text = CONTINUOUS.replace("u_norm = 1.5", "u_norm = 1.5\nu_max = [1.4, 1.0]")
+    controller = build_once(parse_task(text))
+    assert controller.task.u_max == (Fraction("1.11803"), Fraction(1))
+    answer = verdict(changed_control(files_of(controller, text), u_max=["1", "11/10"]), tmp_path)
+    assert answer.code == REFUSED
+    assert "u_max is not positive, or above the task's" in answer.message
+
+
+def test_the_checker_knows_no_norm_of_u_that_is_scaled(tmp_path: Path) -> None:
+    files = files_of(build_once(parse_task(CONTINUOUS)), CONTINUOUS)
+    text = files["task.toml"].replace(b"u_norm = 1.5", b'u_norm = 1.5\nu_max = 1\nsaturate = "scale"')
+    assert verdict({**files, "task.toml": text}, tmp_path).code == UNUSABLE
+
+
+# --------------------------------------------------------------------------------------------------------- what is asked
+
+
+def test_a_norm_with_stated_limits_within_it_changes_no_number_of_the_code() -> None:
+    with_norm = build_once(parse_task(TOUCHING))
+    without = build_once(parse_task(TOUCHING.replace("u_norm = 5\n", "")))
+    assert with_norm.program == without.program
+    assert not with_norm.task.has_chosen_limit
+
+
+def test_a_refusal_names_a_larger_norm_that_works() -> None:
+    task = parse_task(CONTINUOUS.replace("u_norm = 1.5", "u_norm = 0.8"))
+    with pytest.raises(NotCertified) as refusal:
+        build_task(task, effort=Effort(60.0))
+    (remedy, *_) = [v for v in remedies_of(str(refusal.value)) if set(v) == {"control.u_norm"}]
+    assert 0.8 < remedy["control.u_norm"] < 1.5
+    assert build_task(with_remedy(task, remedy)).certificate.holds
+
+
+@pytest.mark.parametrize("text", [CONTINUOUS, INERTIAL, SAMPLED])
+def test_where_u_is_too_weak_the_first_remedy_that_is_tried_is_a_norm_that_works(text: str) -> None:
+    task = parse_task(text)
+    task = task.changed(control={"u_norm": Fraction(task.control.u_norm or 0) / 4})
+    reason = pipeline.attempt(task, pipeline.preferred_tube(task)).certificate.reason
+    adjustment = next(adjustments_of(task, reason))
+    assert adjustment.keys == ("control.u_norm",)
+    change = smallest_change(task, adjustment, Trials(pipeline._quick_test(), pipeline._is_certified))
+    assert change is not None
+    certified = change.of(task)
+    assert certified.control.u_norm is not None
+    assert certified.control.u_norm < Fraction("1.1") * (dict(reason.sufficient)["control.u_norm"])
+    assert build_once(certified).certificate.holds
+
+
+@pytest.mark.parametrize(
+    ("control", "message"),
+    [
+        ("u_norm = 0", "control.u_norm: is 0; it must be greater than 0"),
+        ("u_norm = [1, 2]", "control.u_norm: is a list; a number is needed"),
+        ("u_norm = 1\nu_max = [-5, 1]", "control.u_max[0]: is -5; it must be greater than 0"),
+        ('u_norm = 1\nsaturate = "scale"', "leave u_norm out and give control.u_max = 0.707106, which keeps |u| within 1"),
+        ("u_norm = 1\nreserve = 2", "control.reserve: is read where"),
+    ],
+)
+def test_a_norm_that_cannot_be_kept_is_refused_with_the_reason(control: str, message: str) -> None:
+    with pytest.raises(BadInput, match=re.escape(message)):
+        parse_task(CONTINUOUS.replace("u_norm = 1.5", control))
+
+
+def test_only_tubes_whose_needs_are_known_have_a_norm() -> None:
+    with pytest.raises(BadInput, match=r"control\.u_norm: is for refined tubes"):
+        parse_task(CONTINUOUS.replace("[tube]", '[tube]\ndesign = "adaptive"'))
+
+
+# ---------------------------------------------------------------------------------------------------- inputs of one sign
+
+PAGE = (ROOT / "docs" / "drive.md").read_text()
+
+
+def tanks() -> Task:
+    """Return the task of docs/drive.md whose pumps have one sign."""
+    (text,) = (block for block in re.findall(r"```toml\n(.*?)```", PAGE, re.S) if '"tanks"' in block)
+    return parse_task(text)
+
+
+def ranges_of(name: str) -> list[tuple[Fraction, Fraction]]:
+    """Return a row of the page's table: the ranges of both tanks."""
+    (row,) = re.findall(rf"^\| {re.escape(name)} \| (.*?) \| (.*?) \|$", PAGE, re.M)
+    return [(Fraction(low), Fraction(high or low)) for low, _, high in (cell.partition(" to ") for cell in row)]
+
+
+def test_the_tanks_of_the_page_are_certified_and_their_numbers_follow_from_pumps_and_consumers() -> None:
+    task = tanks()
+    pumps, consumers, biases = (ranges_of(name) for name in ("pump u, l/s", "consumer c, l/s", "bias u_0, near the mean of c"))
+    for i, ((lower, upper), (low, high), (bias, _)) in enumerate(zip(pumps, consumers, biases, strict=True)):
+        g_min, g_max = task.plant_bounds[i].g_min, task.plant_bounds[i].g_max
+        assert ranges_of("f = -c")[i] == (-high, -low)
+        assert ranges_of("g u_0")[i] == (g_min * bias, g_max * bias)
+        assert ranges_of("f + g u_0")[i] == (g_min * bias - high, g_max * bias - low)
+        assert task.plant_bounds[i].force >= max(abs(g_min * bias - high), abs(g_max * bias - low))
+        assert (task.u_max or ())[i] == ranges_of("min(u_0 - 0, u_upper - u_0)")[i][0] == min(bias - lower, upper - bias)
+    assert build_once(task).certificate.holds
+
+
+def test_pumps_fill_the_tanks_with_flows_of_one_sign() -> None:
+    """The true plant, x' = g u - c with u = u_0 + v within the pump's range, stays in the tube at all corners of the bounds."""
+    controller = build_once(tanks())
+    code, rng = CompiledC(controller), np.random.default_rng(3)
+    bias, upper = np.array([1.0, 0.6]), np.array([2.0, 1.6])
+    for _ in range(4):
+        x = np.array([[rng.uniform(155, 245), rng.uniform(255, 345)]])
+        for second in range(900):
+            status, v = code.call("control", np.array([float(second)]), x + rng.uniform(-1, 1, (1, 2)))
+            assert int(status[0]) == 0
+            u = bias + v.astype(float)
+            assert (u >= 0).all()
+            assert (u <= upper).all()
+            gain, flow = rng.choice([0.95, 1.05], 2), np.array([rng.choice([0.8, 1.2]), rng.choice([0.5, 0.7])])
+            x = x + gain * u - flow
+        assert ((x >= [[450, 400]]) & (x <= [[550, 500]])).all()
+
+
+@pytest.mark.parametrize(
+    ("control", "message"),
+    [
+        ("u_max = [[0, 2], [0, 1.6]]", r"control.u_max\[0\]: is \[0, 2\]; .*the law is odd.*here u_0 = 1 and u_max = 1$"),
+        ("u_max = [0, 2]", r"control.u_max\[0\]: is 0; it must be greater than 0: the law is odd"),
+        ("u_min = 0", "control.u_min: unknown key; the law is odd, so u must reach as far one way as the other"),
+        ("u_max = [[2, 1], 1]", "give the lower one first"),
+    ],
+)
+def test_inputs_of_one_sign_are_refused_with_the_reason_and_the_remedy(control: str, message: str) -> None:
+    with pytest.raises(BadInput, match=message) as refusal:
+        parse_task(CONTINUOUS.replace("u_norm = 1.5", control))
+    assert 'docs/drive.md, "Inputs of one sign"' in str(refusal.value)
+    assert "## Inputs of one sign\n" in PAGE
+
+
+def test_the_rover_of_the_page_has_wheels_that_allow_the_norm() -> None:
+    """|u| = 1.5 in any direction turns no wheel faster than 1.92 m/s, which is reached: the page's numbers."""
+    angles = np.linspace(0, 2 * math.pi, 10001)
+    forward, sideways = 1.5 * np.cos(angles), 1.5 * np.sin(angles)
+    wheels = np.array([forward + sign * 0.2 * sideways / 0.25 for sign in (1, -1)])
+    assert np.abs(wheels).max() == pytest.approx(1.92, abs=1e-2)
+    text = (ROOT / "docs" / "task.md").read_text()
+    assert "sqrt(1 + 0.8^2) = 1.28 times |u|" in text
