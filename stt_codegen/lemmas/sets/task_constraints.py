@@ -388,7 +388,7 @@ LEMMAS = (
         "rows.plain",
         "The rows of P1, P2, P3, P5 and P6 are: least width, x(0) and the start set, state space, target, bounds on both edges' "
         "rates and accelerations.",
-        r"R_i - L_i \ge w,\quad L_i \ge \underline s_i,\ R_i \le \overline s_i,\quad |\dot E_i| \le v_i,\ |\ddot E_i| \le a_i",
+        r"R_i - L_i \ge w_i,\quad L_i \ge \underline s_i,\ R_i \le \overline s_i,\quad |\dot E_i| \le v_i,\ |\ddot E_i| \le a_i",
         (),
         "the evaluated code",
         _prove_plain,
