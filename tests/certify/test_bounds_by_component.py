@@ -266,6 +266,37 @@ def test_the_checker_refuses_files_that_keep_only_the_smaller_entry(
     assert message in refused.message
 
 
+STANDING_SETS = re.sub(r"\[\[unsafe\]\]\nlower = \[3\.6.*", "", HALL, flags=re.S)
+LISTS = "[tube]\nclearance = [0.05, 0.1]\nmin_width = [0.2, 0.3]\n"
+NOISE = "noise = [0.0005, 0.002]\n"
+REGIONS = """
+[[region]]
+name = "bay"
+lower = [0.2, 2.9]
+upper = [0.9, 3.5]
+[[region]]
+name = "corner"
+vertices = [[2.2, 3.4], [2.6, 3.4], [2.4, 3.7]]
+[[mission]]
+never = "bay"
+[[mission]]
+never = "corner"
+"""
+KINDS = {
+    "closed axis": STANDING_SETS.replace("prescribed_time", 'axes = ["x", "yaw"]\nperiodic = { yaw = 6.2832 }\nprescribed_time')
+    + f"{LISTS}[control]\nperiod = 0.01\nu_max = [2, 2]\n[plant]\nw_max = 0.02\n{NOISE}",
+    "integers": f'{STANDING_SETS}{LISTS}[control]\nu_max = [2, 2]\n[emit]\nscalar = "fixed"\ntick_period = 0.01\n[plant]\n{NOISE}',
+    "late inputs": f"{STANDING_SETS}{LISTS}[control]\nperiod = 0.01\n[plant]\nw_max = 0.02\nlag = 0.01\n{NOISE}",
+    "mission": f"{STANDING_SETS}{REGIONS}{LISTS}",
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_checker_verifies_tasks_of_every_kind_with_lists(kind: str, tmp_path: Path) -> None:
+    files = {**build_once(parse_task(KINDS[kind])).files, "task.toml": KINDS[kind].encode()}
+    assert verdict(files, tmp_path).code == VERIFIED, verdict(files, tmp_path)
+
+
 # ------------------------------------------------------------------------------------------------ noise
 
 
