@@ -105,7 +105,7 @@ class Runs:
         v, u, before = np.zeros_like(x), np.zeros_like(x), None
         g_min, g_max = (np.array([float(getattr(b, name)) for b in task.plant_bounds]) for name in ("g_min", "g_max"))
         g = g_min + (g_max - g_min) * rng.random(x.shape)
-        noise, noise_v = float(task.plant.noise or 0), float(task.plant.noise_v or 0)
+        noise, noise_v = (np.array([float(v) for v in values]) for values in (task.noise, task.noise_v))
         left, largest_error = np.zeros(self.count, bool), 0.0
         changes: list[float] = []
         inputs: list[float] = []

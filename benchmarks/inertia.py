@@ -70,9 +70,7 @@ def smallest_acceleration(task: Task) -> float:
     """Return 4 length/t_c^2 of the shortest route for the smallest width, in the largest component."""
     lattice = lattice_of(task)
     normalised_arena = normalise(arena_of(task, lattice), lattice.exponent)
-    route = shortest_route(
-        normalised_arena, starting_box(normalised_arena), np.full(normalised_arena.dimension, normalised_arena.min_width)
-    )
+    route = shortest_route(normalised_arena, starting_box(normalised_arena), normalised_arena.min_widths)
     return float(4 * route.length * normalised_arena.length_unit / normalised_arena.time_unit**2)
 
 

@@ -314,6 +314,11 @@ def vector_text(values: Iterable[Fraction]) -> str:
     return f"[{', '.join(number_text(v) for v in values)}]"
 
 
+def bound_text(value: Fraction | tuple[Fraction, ...]) -> str:
+    """Return a bound as a task file has it: one number, or one for each component."""
+    return vector_text(value) if isinstance(value, tuple) else number_text(value)
+
+
 def set_text(table: Any) -> str:
     """Return the lines of a table that describes a set, as a task file has them."""
     names = ("axes", "lower", "upper", "centre", "offsets", "vertices", "normals", "segment", "radius")
@@ -362,7 +367,7 @@ def task_text(task: Task) -> str:
             *(f"[{name}]\n{set_text(getattr(task, name))}" for name in ("state_space", "target_set", "initial_set")),
             starts,
             *(f'[[unsafe]]\nname = "{s.name}"\n{set_text(s)}' for s in task.unsafe),
-            f"[tube]\nclearance = {number_text(task.tube.clearance)}\nmin_width = {number_text(task.tube.min_width)}\n",
+            f"[tube]\nclearance = {bound_text(task.tube.clearance)}\nmin_width = {bound_text(task.tube.min_width)}\n",
             rate_limits,
             f"[control]\ngain = {vector_text(task.gain)}\ne_max = {vector_text(task.e_max)}\n{limits}[emit]\n{emit}",
             plant,

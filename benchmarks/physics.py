@@ -157,7 +157,7 @@ class RobotSimulation:
         rng, data, n = np.random.default_rng(seed), self.data, self.task.dimension
         self.draw_constants(rng)
         self.draw_start(rng)
-        noise, noise_v = (float(v or 0) for v in (self.task.plant.noise, self.task.plant.noise_v))
+        noise, noise_v = (np.array([float(v) for v in values]) for values in (self.task.noise, self.task.noise_v))
         w_max = float(self.task.plant.w_max)  # type: ignore[arg-type]
         measured_state, u = (ctypes.c_double * (2 * n))(), (ctypes.c_double * n)()
         contact_steps = outside_samples = 0
@@ -201,7 +201,7 @@ class RobotSimulation:
             share = rng.uniform(0, 1, n) if k % 2 else rng.integers(0, 2, n)
             v = low_z + share * (high_z - low_z) - self.filter * x
             age = rng.uniform(0, (self.steps_per_sample + self.latency_steps) * STEP)
-            mixing = self.mixing(x - age * v + float(plant.noise or 0) * rng.uniform(-1, 1, n)).full()
+            mixing = self.mixing(x - age * v + np.array([float(v) for v in self.task.noise]) * rng.uniform(-1, 1, n)).full()
             accelerations = []  # without an input, then with a unit of each
             for u in (np.zeros(n), *np.eye(n)):
                 self.data.qpos[:], self.data.qvel[:], self.data.ctrl[:] = x, v, mixing @ u

@@ -61,7 +61,7 @@ def widest_box(task: Task) -> float:
     def has_route(width: float) -> bool:
         return find_route(arena, start, np.full(arena.dimension, width)) is not None
 
-    low, high = arena.min_width, full
+    low, high = float(arena.min_widths.max()), full
     if has_route(high):
         return high * arena.length_unit
     while high - low > 1e-3 * full:

@@ -77,6 +77,27 @@ def as_floats(name: str, value: Any, finite: bool = True, texts: bool = False) -
     return array
 
 
+def entries_of(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """Return one number for each of `count` components, of a number for all of them or a list; each 0 or more.
+
+    name: begins the message. Raises `BadInput` where the value is no such thing.
+    """
+    array = as_floats(name, value, finite=False)
+    if array.ndim > 1 or (array.ndim and len(array) != count):
+        size = f"has {len(array)} entries" if array.ndim == 1 else f"has shape {array.shape}"
+        raise BadInput(f"{name}: {size}; one number is needed, or {count}")
+    entries = tuple(array.tolist()) if array.ndim else (float(array),) * count
+    for v in entries:
+        if not 0 <= v < float("inf"):
+            raise BadInput(f"{name} {v:g}: a finite number of 0 or more is needed")
+    return entries
+
+
+def one_if_equal(values: tuple[float, ...]) -> float | tuple[float, ...]:
+    """Return a single number where all entries are equal, as reports write it."""
+    return values[0] if len(set(values)) == 1 else values
+
+
 def _leaves(value: Any) -> Iterator[Any]:
     """Yield the entries of nested lists and tuples."""
     if not isinstance(value, list | tuple):

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
+from stt_codegen.decimals import by_dimension
 from stt_codegen.designs import LOWER, NARROWEST_WIDTH, UPPER
 from stt_codegen.task import Task
 from stt_codegen.task.mission import InRegion, StateFormula, complement_boxes, regions_of
@@ -31,8 +32,8 @@ Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any
 class Constraint:
     """One inequality that is linear in the edges.
 
-    terms: (dimension, side, c). clearance: what the bound is raised by, in the units of the bound. slack_per_distance: the slack
-    divided by it is a distance in the task's units. order: the derivative of the edges.
+    terms: (dimension, side, c). clearance: what the bound is raised by, in its units: the sum of |c| times the clearance of the
+    dimension. slack_per_distance: the slack divided by it is a distance in the task's units. order: the derivative of the edges.
     """
 
     terms: tuple[Term, ...]
@@ -76,14 +77,25 @@ class Avoidance:
     growth_rates: tuple[Fraction, ...] = ()
 
 
-def minimum_width(task: Task) -> Fraction:
-    """Return the width that P1 demands; the emitted law divides by the width as it is."""
-    return max(task.tube.min_width, NARROWEST_WIDTH)
+def minimum_widths(task: Task) -> tuple[Fraction, ...]:
+    """Return by dimension the width that P1 demands; the emitted law divides by the width as it is."""
+    return tuple(max(v, NARROWEST_WIDTH) for v in task.min_widths)
+
+
+def width_statement(task: Task) -> str:
+    """Return what P1 says in words."""
+    widths = minimum_widths(task)
+    return f"width >= {by_dimension(widths)}" + (" in every dimension" if len(set(widths)) == 1 else "")
+
+
+def clearance_statement(task: Task, count: int) -> str:
+    """Return what P4 says in words about so many unsafe sets."""
+    return f"gamma at least {by_dimension(task.clearances)} from each of {count} unsafe sets"
 
 
 def width_constraints(task: Task) -> tuple[Constraint, ...]:
     """Return P1, for all t: R_i - L_i >= min_width."""
-    return tuple(Constraint(((i, UPPER, 1), (i, LOWER, -1)), minimum_width(task)) for i in range(task.dimension))
+    return tuple(Constraint(((i, UPPER, 1), (i, LOWER, -1)), width) for i, width in enumerate(minimum_widths(task)))
 
 
 def initial_state_constraints(task: Task) -> tuple[Constraint, ...]:
@@ -112,7 +124,7 @@ def avoidances(task: Task) -> tuple[Avoidance, ...]:
     for s, course in zip(task.obstacles, task.courses, strict=True):
         larger = s.inflated(Fraction(1)) if course is not None else s
         growth_rates = () if course is None else tuple(larger.support(normal) - h for normal, h in s.faces)
-        result.append(Avoidance(s.name, separation_constraints(s, task.tube.clearance), course, growth_rates))
+        result.append(Avoidance(s.name, separation_constraints(s, task.clearances), course, growth_rates))
     return tuple(result)
 
 
@@ -131,7 +143,7 @@ def mission_avoidances(task: Task, state: StateFormula) -> tuple[Avoidance, ...]
     axes = task.axis_indices(region)
     if inner.is_negated:
         convex = region.to_set_in(task.state_space, axes).grown(task.half_extents)
-        return (Avoidance(str(state), separation_constraints(convex, task.tube.clearance)),)
+        return (Avoidance(str(state), separation_constraints(convex, task.clearances)),)
     components = [(dict(zip(axes, normal, strict=True)), offset) for normal, offset in region.half_spaces()]
     half_spaces = [(tuple(component.get(i, 0) for i in range(n)), offset) for component, offset in components]
     return tuple(Avoidance(str(state), (constraint,)) for constraint in half_space_constraints(half_spaces))
@@ -147,7 +159,8 @@ def _box_span(task: Task, formula: InRegion) -> tuple[Vector, Vector]:
     assert isinstance(region, UnsafeSet)
     edges = dict(zip(task.axis_indices(region), zip(region.lower, region.upper, strict=True), strict=True))
     unbounded = task.largest_coordinate * 4 + 1
-    growth = [h + task.tube.clearance if formula.is_negated else Fraction(0) for h in task.half_extents]
+    margins = zip(task.half_extents, task.clearances, strict=True)
+    growth = [h + clearance if formula.is_negated else Fraction(0) for h, clearance in margins]
     ends = [edges.get(i, (-unbounded, unbounded)) for i in range(task.dimension)]
     lower = tuple(a - g for (a, _), g in zip(ends, growth, strict=True))
     return lower, tuple(b + g for (_, b), g in zip(ends, growth, strict=True))
@@ -248,16 +261,17 @@ def _interval_constraints(bounds: Iterable[tuple[Fraction, Fraction]], sign: int
     return tuple(result)
 
 
-def separation_constraints(convex: ConvexSet, clearance: Fraction) -> tuple[Constraint, ...]:
-    """Return for every normal of the set the constraint that separates a tube's box B from it.
+def separation_constraints(convex: ConvexSet, clearances: Sequence[Fraction]) -> tuple[Constraint, ...]:
+    """Return for every normal of the set the constraint that separates a tube's box B from it. clearances: by dimension.
 
-    It is low_n(B) >= h(n) + |n|_1 clearance, where h(n) is the support of the set and low_n(B) the smallest n.x over B. The slack
-    over |n|_1 is the distance beyond the clearance, in the largest component.
+    It is low_n(B) >= h(n) + sum_i |n_i| clearance_i, where h(n) is the support of the set and low_n(B) the smallest n.x over B.
+    Then between any two points of B and the set some component i is at least clearance_i and the slack over |n|_1 apart.
     """
     result = []
     for normal, support in convex.faces:
         terms, size = _lowest_value_terms(normal)
-        result.append(Constraint(terms, support, clearance if size == 1 else size * clearance, size))
+        clearance = sum((abs(c) * v for c, v in zip(normal, clearances, strict=True) if c), Fraction(0))
+        result.append(Constraint(terms, support, clearance, size))
     return tuple(result)
 
 

@@ -51,3 +51,9 @@ def by_component(values: Sequence[Fraction | float]) -> str:
     """Write numbers as a task file does: a single number where all agree, else [0.5, 0.25]."""
     shown = [decimal(v) if isinstance(v, Fraction) else f"{v:g}" for v in values]
     return shown[0] if len(set(shown)) == 1 else f"[{', '.join(shown)}]"
+
+
+def by_dimension(values: Sequence[Fraction | float]) -> str:
+    """Write numbers as `by_component` does, for a sentence: a single number, else [0.5, 0.25] (by dimension)."""
+    text = by_component(values)
+    return f"{text} (by dimension)" if text.startswith("[") else text

@@ -126,7 +126,7 @@ class WorstCaseLoop:
         """Take the numbers from a task and its design; a bound that the task does not state is 0, of g 1."""
         lambda_, gain, e_max = (np.array([float(v) for v in values]) for values in (design.filter, task.gain, task.e_max))
         limit = np.array([float(v) for v in emitted_input_limits(task)] or [np.inf] * task.dimension)
-        noise, noise_v = float(task.plant.noise or 0), float(task.plant.noise_v or 0)
+        noise, noise_v = (np.array([float(v) for v in values]) for values in (task.noise, task.noise_v))
         force = float((task.plant.f_max or 0) + (task.plant.w_max or 0))
         g_min = float(smallest_g(task))
         g_max = float(task.plant.g_max) if task.plant.g_max is not None else max(1.0, g_min)

@@ -142,8 +142,9 @@ def _edge_faults(tube: ExactTube, margin: Fraction) -> Iterator[Fault]:
     faces, slope = signed_faces(task.state_space), derivative(edges)  # the slope is per segment
     limited = [(slope, limit, seconds) for limit in (task.max_speed,) if limit is not None]
     limited += [(derivative(slope), limit, seconds**2) for limit in (task.max_acceleration,) if limit is not None]
-    width = max(task.tube.min_width, SMALLEST_WIDTH) + 2 * margin
+    min_widths = by_axis(task.tube.min_width, task.dimension)
     for i in range(task.dimension):
+        width = max(min_widths[i], SMALLEST_WIDTH) + 2 * margin
         for _, time in _times_below(-edges[:, i].sum(axis=1, keepdims=True), [[width]], unit):
             yield Fault("P1", time * seconds, i)
         for side in (LOWER, UPPER):
@@ -160,7 +161,8 @@ def _unsafe_faults(tube: ExactTube, margin: Fraction) -> Iterator[Fault]:
     """Yield faults of P4, where the tube's box, grown by body, clearance and margin, meets an unsafe set. Standing boxes
     first."""
     task, n, segments = tube.task, tube.task.dimension, len(tube.edges)
-    growth = [v + task.tube.clearance + margin for v in tube.body]
+    clearances = by_axis(task.tube.clearance, n)
+    growth = [v + c + margin for v, c in zip(tube.body, clearances, strict=True)]
     boxes = [j for j, s in enumerate(task.unsafe) if isinstance(s, UnsafeSet) and s.axes is None and not is_timed(s)]
     # outside a box: the lower edge above its upper face, or the upper edge below its lower face
     needed = [[-face + growth[i] for i in range(n) for face in reversed(signed_faces(task.unsafe[j])[i])] for j in boxes]
@@ -195,6 +197,11 @@ def derivative(polynomials: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     """Differentiate by s. Coefficients of 1, s, s^2, s^3 are on the last axis."""
     multiples = polynomials * np.arange(4)
     return np.concatenate([multiples[..., 1:], np.zeros_like(multiples[..., :1])], axis=-1)
+
+
+def by_axis(value: Fraction | tuple[Fraction, ...], n: int) -> tuple[Fraction, ...]:
+    """Return one number for each axis, of a number for all of them or a list."""
+    return value if isinstance(value, tuple) else (value,) * n
 
 
 def signed_faces(box: Box | UnsafeSet) -> list[tuple[Fraction, Fraction]]:

@@ -111,7 +111,7 @@ def _relative_speeds(job: ArenaJob, certificate: Certificate) -> tuple[float, fl
     task = arena_task(FAMILIES[job.family], job.seed, job.clearance, job.min_width)
     arena = arena_of(task)
     try:
-        route = find_corner_route(arena, starting_box(arena), np.full(arena.dimension, arena.min_width))
+        route = find_corner_route(arena, starting_box(arena), arena.min_widths)
     except NotCertified:  # a literal tube may exist where no route with the smallest width begins
         route = None
     if route is None:

@@ -26,13 +26,15 @@ from stt_codegen.constraints import (
     Constraint,
     acceleration_constraints,
     avoidances,
+    clearance_statement,
     initial_state_constraints,
-    minimum_width,
+    minimum_widths,
     reach_constraints,
     speed_constraints,
     start_constraints,
     stay_constraints,
     width_constraints,
+    width_statement,
 )
 from stt_codegen.controller import edge_error, rate_error
 from stt_codegen.decimals import above, by_component, decimal
@@ -99,7 +101,7 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
     The tube is cubic on K segments and constant after t_c, so P1 to P6 are finitely many comparisons. edge_error: by dimension.
     """
     tube = _CertifiedTube(task, design, units_of_error(design, edge_error) * design.unit, design.bezier())
-    width, speed = tube.width(), design.edge_speed_bounds()
+    width, widths, speed = tube.width(), minimum_widths(task), design.edge_speed_bounds()
     start = tuple((int(a) * design.unit, int(b) * design.unit) for a, b in tube.bezier[0, :, :, 0])
     return Certificate(
         findings=(
@@ -113,7 +115,7 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
         ),
         edge_error=tuple(edge_error),
         speed=speed,
-        minimum_width=width.margin + minimum_width(task),
+        minimum_width=width.margin + widths[0] if len(set(widths)) == 1 else design.smallest_hull_width(),
         start=start,
         covers_initial_set=all(
             1000 * max(start[i][0] - a, b - start[i][1]) <= b - a
@@ -150,8 +152,7 @@ class _CertifiedTube:
         location: tuple[Constraint, str | None],
     ) -> Finding:
         """Return a finding with the location of its smallest slack; location: its constraint, and the name of its set."""
-        scale = self.design.prescribed_time / self.design.segments
-        constraint, name = location
+        (constraint, name), scale = location, self.design.prescribed_time / self.design.segments
         time = (smallest.interval[0] * scale, smallest.interval[1] * scale)
         dimension = None if constraint.dimension is None else constraint.dimension + 1
         return Finding(subject, statement, smallest.slack * self.design.unit, required, time, dimension=dimension, obstacle=name)
@@ -178,8 +179,8 @@ class _CertifiedTube:
 
     def width(self) -> Finding:
         """Return the finding of P1; the arithmetic may move both edges, so twice its error is required."""
-        statement = f"width >= {decimal(minimum_width(self.task))} in every dimension"
-        return self.always(Property.WIDTH, statement, ConstraintBlock.of(width_constraints(self.task), self.design.unit))
+        block = ConstraintBlock.of(width_constraints(self.task), self.design.unit)
+        return self.always(Property.WIDTH, width_statement(self.task), block)
 
     def start(self) -> list[Finding]:
         """Return the findings of P2: x(0) inside gamma(0), and gamma(0) within the initial set."""
@@ -200,7 +201,7 @@ class _CertifiedTube:
         sets = avoidances(self.task)
         if not sets:
             return Finding(Property.AVOID, "there is no unsafe set", Fraction(0), Fraction(0))
-        statement = f"gamma at least {decimal(self.task.tube.clearance)} from each of {len(sets)} unsafe sets"
+        statement = clearance_statement(self.task, len(sets))
         if all(avoidance.course is None for avoidance in sets):
             return self.always(Property.AVOID, statement, ConstraintBlock.choice(sets, self.design.unit))
         uncertainty = [f"start_delay {decimal(self.task.start_delay)} s"] if self.task.start_delay else []

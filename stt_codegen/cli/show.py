@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from stt_codegen.arrays import entries_of
 from stt_codegen.certify.missions import describe_entry
 from stt_codegen.compare import ComparisonRow
 from stt_codegen.decimals import by_component
@@ -164,7 +165,8 @@ def show_bounds(report: BoundsReport) -> None:
 
 def _show_hypotheses(console: Any, report: BoundsReport) -> None:
     """Print the hypotheses, and whether each holds."""
-    noise = f", x measured to {report.noise:g}" if report.noise else ""
+    errors = entries_of("noise", report.noise, len(report.axes))
+    noise = f", x measured to {by_component(errors)}" if any(errors) else ""
     noise += f", u {format_time(report.latency)} after its sample" if report.latency else ""
     console.print(f"[bold]{report.task}[/bold], {report.design}, with {escape(report.plant)}{noise}")
     table = Table(box=None, header_style="bold")
@@ -270,10 +272,9 @@ def _conditions(report: RunReport) -> list[str]:
     bounds = [s.strength * v for v in s.shares] or [s.strength]
     conditions = [f"|w| <= {by_component(bounds)} ({s.disturbance})" if s.strength else "no disturbance"]
     conditions += [f"{s.rate:g} Hz", f"gain {by_component(task.gain)}"]
-    if s.noise:
-        conditions.append(f"x measured to {s.noise:g}")
-    if s.noise_v:
-        conditions.append(f"v measured to {s.noise_v:g}")
+    for letter, noise in (("x", s.noise), ("v", s.noise_v)):
+        errors = entries_of(letter, noise, task.dimension)
+        conditions += [f"{letter} measured to {by_component(errors)}"] if any(errors) else []
     if s.has_drives:
         conditions.append(f"u through {written_drive(s.drives)}{', as bad as it may be' if s.is_adverse else ''}")
     if s.latency:

@@ -83,25 +83,25 @@ def start_share(task: Task) -> Fraction:
     return task.initial_set.share if task.control.period is not None else min(task.e_max)
 
 
-def measurement_error(task: Task) -> Fraction:
-    """Return the largest error of a measured x before it is rounded: stated noise, and the error of unwrapping closed axes."""
+def measurement_errors(task: Task) -> tuple[Fraction, ...]:
+    """Return the largest error of each measured x_i before it is rounded: stated noise, and that of unwrapping closed axes."""
     unwrap_error = max((axis.unwrap_error for axis in task.closed_axes), default=Fraction(0))
-    return (task.as_stated.plant.noise or Fraction(0)) + unwrap_error
+    return tuple(v + unwrap_error for v in task.as_stated.noise)
 
 
 def compute_covered_starts(task: Task, design: RefinedDesign) -> CoveredStarts:
     """Compute the intervals of covered starts, exactly, in the task's units; for v + lambda x in units per second."""
     share = start_share(task)
     edges = [(int(low) * design.unit, int(high) * design.unit) for low, high in design.bezier()[0, :, :, 0]]  # of gamma(0)
-    x_error = measurement_error(task) + _relative_rounding(task, design) * task.largest_coordinate
-    positions = tuple(_narrowed(low, high, share, x_error) for low, high in edges)
+    rounding, errors = _relative_rounding(task, design) * task.largest_coordinate, measurement_errors(task)
+    positions = tuple(_narrowed(low, high, share, error + rounding) for (low, high), error in zip(edges, errors, strict=True))
     if task.order == 1:
         return CoveredStarts(positions, ())
     filtered = []
     edges_and_rates = zip(edges, slopes_at_start(design), design.filter, _filtered_shares(task, design), strict=True)
-    for (low, high), (low_rate, high_rate), lambda_, filtered_share in edges_and_rates:
+    for i, ((low, high), (low_rate, high_rate), lambda_, filtered_share) in enumerate(edges_and_rates):
         lower, upper = low_rate + lambda_ * low, high_rate + lambda_ * high
-        error = _filtered_error(task, design, lambda_, max(abs(lower), abs(upper)))
+        error = _filtered_error(task, design, i, max(abs(lower), abs(upper)))
         filtered.append(_narrowed(lower, upper, filtered_share, error))
     return CoveredStarts(positions, tuple(filtered))
 
@@ -114,14 +114,17 @@ def _filtered_shares(task: Task, design: RefinedDesign) -> list[Fraction]:
     return [FRACTIONS.share_of_eps(bound) for bound in epsilon_bounds]
 
 
-def _filtered_error(task: Task, design: RefinedDesign, lambda_: Fraction, largest_edge: Fraction) -> Fraction:
-    """Bound the error of v + lambda x as `covered` computes it from measurements. largest_edge: of the filtered tube at 0."""
-    noise_v = Fraction(0) if task.uses_differences else task.plant.noise_v or Fraction(0)
+def _filtered_error(task: Task, design: RefinedDesign, i: int, largest_edge: Fraction) -> Fraction:
+    """Bound the error of v + lambda x as `covered` computes it from measurements of component i.
+
+    largest_edge: of the filtered tube at 0.
+    """
+    noise_v, lambda_ = Fraction(0) if task.uses_differences else task.noise_v[i], design.filter[i]
     if task.emit.scalar == "fixed":  # x and v are half a unit off, and lambda times x is rounded down
         rounding = design.unit * (Fraction(3, 2) + lambda_ / 2)
     else:  # x, v, their product and their sum are rounded; the bracket bounds the sum of their sizes
         rounding = 2 * _relative_rounding(task, design) * (2 * lambda_ * task.largest_coordinate + largest_edge)
-    return noise_v + lambda_ * measurement_error(task) + rounding
+    return noise_v + lambda_ * measurement_errors(task)[i] + rounding
 
 
 def _narrowed(low: Fraction, high: Fraction, share: Fraction, error: Fraction) -> tuple[Fraction, Fraction]:
@@ -187,7 +190,7 @@ def covered_doc(task: Task) -> tuple[str, ...]:
     continuous = "the paper's Theorem 4.1, in continuous time,"
     proof = continuous if task.control.period is None else f"the proof of the sampling period ({Property.PERIOD.code})"
     region = f"every component of x is within {decimal(start_share(task))} of the tube's half width about its middle at t = 0"
-    error = "rounding and the noise of [plant]" if task.plant.noise or task.plant.noise_v else "rounding"
+    error = "rounding and the noise of [plant]" if task.has_noise else "rounding"
     lines = (
         f"Whether {proof} covers a start at the measured {state}:",
         region + ("," if has_filter else "."),

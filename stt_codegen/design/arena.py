@@ -43,9 +43,11 @@ class Arena:
     oblique_faces: what the spans do not say. timed_obstacles: the sets that move, or are unsafe only at times. space_cuts,
     target_cuts: the half-spaces that cut space and target. axes: what sentences call the dimensions.
 
-    clearance, min_width: what the task asks for plus the arithmetic allowance. max_speeds: (n,); max_speed: what the search takes
-    for that of the fastest dimension; relative_speeds: max_speeds over max_speed, at most 1. max_acceleration: (n,), None for no
-    bound. allowance, difference_allowance: what rounding may change an edge by, and a difference of control points (`Lattice`).
+    clearance: the smallest that the task asks for, plus the arithmetic allowance. clearance_excess: (n,), how much larger that of
+    each dimension is; all sets are grown by it. min_widths: (n,), what the task asks for plus twice the allowance. max_speeds:
+    (n,); max_speed: what the search takes for that of the fastest dimension; relative_speeds: max_speeds over max_speed, at most
+    1. max_acceleration: (n,), None for no bound. allowance, difference_allowance: what rounding may change an edge by, and a
+    difference of control points (`Lattice`).
     length_unit, time_unit: factors that turn lengths and times into the task's. origin: the place of 0 in the task. order: of the
     plant; for order 2 the search minimises the acceleration of edges. seam: the first
     segment of the part that repeats, None where none does.
@@ -63,7 +65,8 @@ class Arena:
     initial_state: Array
     prescribed_time: float
     clearance: float
-    min_width: float
+    clearance_excess: Array
+    min_widths: Array
     max_speed: float
     max_speeds: Array
     relative_speeds: Array
@@ -108,10 +111,12 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
     lattice = lattice or lattice_of(task)
     origin, allowance = lattice.origin, lattice.allowance
     sets = list(zip(task.obstacles, avoidances(task), strict=True))
-    constant = [avoidance for _, avoidance in sets if avoidance.course is None]
-    min_width = max(constraint.bound for constraint in width_constraints(task))
-    _require_wide_sets(task, min_width, allowance)
+    smallest, excess = min(task.clearances), task.clearance_excess
+    constant = [with_one_clearance(avoidance, smallest) for _, avoidance in sets if avoidance.course is None]
+    min_widths = [constraint.bound for constraint in width_constraints(task)]
+    _require_wide_sets(task, min_widths, allowance)
     speeds, accelerations = edge_speed_limits(task), task.max_acceleration
+    shapes = [s.grown(excess) for s, avoidance in sets if avoidance.course is None]
     return Arena(
         names=tuple(avoidance.name for avoidance in constant),
         axes=task.axis_words,
@@ -119,13 +124,14 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         start=_box(start_constraints(task), 2 * allowance, origin),
         target=_box(reach_constraints(task), allowance, origin),
         unsafe=_spans(constant, origin),
-        oblique_faces=_oblique_faces(constant, [s for s, avoidance in sets if avoidance.course is None], origin),
+        oblique_faces=_oblique_faces(constant, shapes, origin),
         space_cuts=_half_spaces(stay_constraints(task), allowance, origin),
         target_cuts=_half_spaces(reach_constraints(task), allowance, origin),
         initial_state=np.array([float(v - o) for v, o in zip(task.initial_state, origin, strict=True)]),
         prescribed_time=float(task.prescribed_time),
-        clearance=float(task.tube.clearance + allowance),
-        min_width=float(min_width + 2 * allowance),
+        clearance=float(smallest + allowance),
+        clearance_excess=np.array([float(v) for v in excess]),
+        min_widths=np.array([float(v + 2 * allowance) for v in min_widths]),
         max_speed=math.inf if speeds is None else float(max(speeds)),
         max_speeds=np.full(task.dimension, math.inf) if speeds is None else np.array([float(v) for v in speeds]),
         relative_speeds=np.ones(task.dimension),
@@ -134,14 +140,33 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         difference_allowance=float(lattice.difference_allowance),
         origin=origin,
         order=task.order,
-        timed_obstacles=tuple(timed_obstacle_of(avoidance, origin) for _, avoidance in sets if avoidance.course is not None),
+        timed_obstacles=tuple(
+            timed_obstacle_of(with_one_clearance(avoidance, smallest), origin)
+            for _, avoidance in sets
+            if avoidance.course is not None
+        ),
     )
 
 
-def _require_wide_sets(task: Task, min_width: Fraction, allowance: Fraction) -> None:
+def with_one_clearance(avoidance: Avoidance, clearance: Fraction) -> Avoidance:
+    """Return the same constraints with one clearance for all dimensions, the smallest: what is beyond it goes into the bound.
+
+    sum_i |n_i| c_i = sum_i |n_i| (c_i - c) + |n|_1 c, and the first sum is by how much h(n) rises where the set is grown by a box
+    of half extents c_i - c. The searches then know one clearance, and larger sets.
+    """
+
+    def with_smallest(row: Constraint) -> Constraint:
+        """Return the same inequality with |n|_1 times the smallest clearance."""
+        smallest = row.slack_per_distance * clearance
+        return replace(row, bound=row.bound + row.clearance - smallest, clearance=smallest)
+
+    return replace(avoidance, alternatives=tuple(map(with_smallest, avoidance.alternatives)))
+
+
+def _require_wide_sets(task: Task, min_widths: Sequence[Fraction], allowance: Fraction) -> None:
     """Refuse a start or target that is too narrow for a tube of the minimum width."""
     for field, box in (("initial_set", task.start), ("target_set", task.target)):
-        for i in range(task.dimension):
+        for i, min_width in enumerate(min_widths):
             width = box.upper[i] - box.lower[i]
             if width < min_width + 6 * allowance:
                 problem = (
@@ -250,7 +275,8 @@ def normalise(arena: Arena, exponent: int) -> Arena:
         initial_state=arena.initial_state / unit,
         prescribed_time=1.0,
         clearance=arena.clearance / unit,
-        min_width=arena.min_width / unit,
+        clearance_excess=arena.clearance_excess / unit,
+        min_widths=arena.min_widths / unit,
         max_speed=arena.max_speed * arena.prescribed_time / unit,
         max_speeds=arena.max_speeds * arena.prescribed_time / unit,
         max_acceleration=None if acceleration is None else acceleration * (arena.prescribed_time * arena.prescribed_time) / unit,
@@ -285,6 +311,7 @@ def _cut_away(arena: Arena, box: Array, j: int) -> Array:
     below_gap, above_gap = arena.unsafe[j, 0] - box[1], box[0] - arena.unsafe[j, 1]  # with the box on that side of U_j
     gap = np.maximum(below_gap, above_gap)
     i = int(np.argmax(gap))
+    excess = float(arena.clearance_excess[i])
     faces = arena.oblique_faces.indices_of(j)
     face_gaps = arena.oblique_faces.distances_beyond(box, faces.start, faces.stop).tolist()
     widest_face = max(zip(face_gaps, faces, strict=True), default=None)
@@ -294,14 +321,15 @@ def _cut_away(arena: Arena, box: Array, j: int) -> Array:
     box, direction = box.copy(), f"in {arena.axes[i]}"
     if widest_face is not None and widest_face[0] > gap[i]:
         direction = "across a face, by component"
+        excess = float((np.abs(arena.oblique_faces.normal[widest_face[1]]) * arena.clearance_excess).sum())
         box, i = _cut_beyond_face(arena, box, *widest_face)
     elif below_gap[i] >= above_gap[i]:
         box[1, i] = arena.unsafe[j, 0, i] - arena.clearance
     else:
         box[0, i] = arena.unsafe[j, 1, i] + arena.clearance
     x, unit = arena.initial_state[i], arena.length_unit
-    if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
-        distance, clearance = max(nearest, 0.0) * unit, (arena.clearance - arena.allowance) * unit
+    if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_widths[i]):
+        distance, clearance = max(nearest + excess, 0.0) * unit, (arena.clearance - arena.allowance + excess) * unit
         near = f"{arena.names[j]} is {distance:.6g} from the initial set {direction}, nearer than the clearance {clearance:.6g}"
         state = f"x(0) = {arena.task_coordinate(i, x):.6g} in {arena.axes[i]} leaves no room to start elsewhere"
         hint = "move the initial set or x(0) away from it"

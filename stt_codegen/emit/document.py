@@ -175,8 +175,8 @@ def _decimals(task: Task, design: AdaptiveDesign, certificate: Certificate) -> d
     return {
         "prescribed_time": exact_decimal(design.prescribed_time),
         "parameters": design.parameters(),
-        "clearance": exact_decimal(task.tube.clearance),
-        "min_width": exact_decimal(task.tube.min_width),
+        "clearance": _one_or_each(task.tube.clearance),
+        "min_width": _one_or_each(task.tube.min_width),
         "start": {
             "lower": [_inward(a, b - a, 1) for a, b in certificate.start],
             "upper": [_inward(b, b - a, -1) for a, b in certificate.start],
@@ -191,6 +191,11 @@ def _decimals(task: Task, design: AdaptiveDesign, certificate: Certificate) -> d
         **steps,
         "claims": [_finding(f, digits) for f in certificate.findings],
     }
+
+
+def _one_or_each(value: Fraction | tuple[Fraction, ...]) -> str | list[str]:
+    """Return a number of the task with all its digits, or one for each component where the task has a list."""
+    return [exact_decimal(v) for v in value] if isinstance(value, tuple) else exact_decimal(value)
 
 
 def _inward(value: Fraction, width: Fraction, inward: int) -> str:

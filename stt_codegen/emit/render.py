@@ -14,7 +14,7 @@ from typing import Any
 from stt_codegen.certify import Certificate, Cycle
 from stt_codegen.certify.missions import cycle_of, describe_entry, phases, served_entries
 from stt_codegen.controller import start_share
-from stt_codegen.decimals import above, below, by_component, decimal
+from stt_codegen.decimals import above, below, by_component, by_dimension, decimal
 from stt_codegen.designs import Design, require_refined
 from stt_codegen.emit.document import certificate_text
 from stt_codegen.emit.naming import (
@@ -144,8 +144,8 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
     if not certificate.holds:
         return _warning(certificate)
     lines = [
-        f"Certified ({task.name}.certificate.json): for every t the tube keeps {decimal(task.tube.clearance)} from every",
-        f"unsafe set, stays in the state space, is at least {decimal(task.tube.min_width)} wide, and "
+        f"Certified ({task.name}.certificate.json): for every t the tube keeps {by_dimension(task.clearances)} from every",
+        f"unsafe set, stays in the state space, is at least {by_dimension(task.min_widths)} wide, and "
         + (_end_of_tube(task) if task.target_set is None else "ends in the target set."),
         *turns_notice(task),
         *_mission_lines(task, certificate),

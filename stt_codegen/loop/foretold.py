@@ -11,6 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
+from stt_codegen.arrays import entries_of
 from stt_codegen.certify import PeriodProof
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.loop.simulate import Scenario
@@ -111,10 +112,13 @@ def _beyond_period_proof(analysis: Analysis, scenario: Scenario, start: Sequence
         yield f"inputs are {between:g} s apart, and control.period is {decimal(task.sampling_period)}"
     if scenario.latency > float(task.control.latency):
         yield f"u acts {scenario.latency:g} s after its sample, and control.latency is {decimal(task.control.latency)}"
-    if scenario.noise > float(task.plant.noise or 0):
-        yield f"x is measured to {scenario.noise:g}, and plant.noise is {decimal(task.plant.noise or Fraction(0))}"
-    if scenario.noise_v > float(task.plant.noise_v or 0):
-        yield f"v is measured to {scenario.noise_v:g}, and plant.noise_v is {decimal(task.plant.noise_v or Fraction(0))}"
+    for key, letter, noise, limits in (
+        ("noise", "x", scenario.noise, task.noise),
+        ("noise_v", "v", scenario.noise_v, task.noise_v),
+    ):
+        errors = entries_of(key, noise, task.dimension)
+        if any(v > float(limit) for v, limit in zip(errors, limits, strict=True)):
+            yield f"{letter} is measured to {by_component(errors)}, and plant.{key} is {by_component(limits)}"
     if analysis.plant is None:
         yield from _beyond_disturbance(task, scenario)
     every_start, this_start = (start_bound_of_task(task, analysis.controller.design, analysis.windows, s) for s in (None, start))

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.arrays import as_floats
+from stt_codegen.arrays import as_floats, entries_of, one_if_equal
 from stt_codegen.certify.missions import cycle_of
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.compiled import LoadedController, LoopResult, LoopSetting, driver, has_constant_dynamics, load_controller
@@ -48,7 +48,7 @@ class Scenario:
 
     rate: samples a second.
     strength: bound on |w|. shares: ratios, at most 1: |w_i| <= shares[i] strength; empty: all are 1.
-    noise, noise_v: bounds on the error of every measured component of x and v.
+    noise, noise_v: bounds on the error of every measured component of x and v, one number for all or one for each.
     lost: samples that may be lost in a row.
     latency: seconds from a sample to its input; the first u acts at once, unless is_adverse.
     drives: by component, how the plant's input follows u, from rest: by a limited rate and then two first-order lags; empty: it
@@ -65,12 +65,12 @@ class Scenario:
     disturbance: str = "none"
     strength: float = 0.0
     seed: int = 0
-    noise: float = 0.0
+    noise: float | tuple[float, ...] = 0.0
     lost: int = 0
     start: tuple[float, ...] | None = None
     latency: float = 0.0
     clock: str = "stated"
-    noise_v: float = 0.0
+    noise_v: float | tuple[float, ...] = 0.0
     drives: tuple[DriveBounds, ...] = ()
     is_adverse: bool = False
     shares: tuple[float, ...] = ()
@@ -86,6 +86,8 @@ class Scenario:
                 raise BadInput(f"{name}: is an array; one number is needed")
             if not (math.isfinite(value) and value >= 0) or (name == "--rate" and value == 0):
                 raise BadInput(f"{name} {value:g}: a finite number {'above 0' if name == '--rate' else 'of 0 or more'} is needed")
+        for name, errors in (("--noise", self.noise), ("noise_v", self.noise_v)):
+            entries_of(name, errors, np.size(errors))
         for name, count in (("--lost", self.lost), ("--seed", self.seed)):
             if isinstance(count, bool) or not isinstance(count, int | np.integer):
                 raise BadInput(f"{name}: is {count!r:.40}; a whole number is needed")
@@ -100,10 +102,8 @@ class Scenario:
         return (
             ("--rate", self.rate),
             ("--w-max", self.strength),
-            ("--noise", self.noise),
             ("--latency", self.latency),
             *(("--lag", float(bounds.lag)) for bounds in self.drives),
-            ("noise_v", self.noise_v),
         )
 
     @property
@@ -213,6 +213,8 @@ class Loop:
         samples = self._sample_count(end, scenario.rate)
         shares = np.array(scenario.shares or (1.0,) * task.dimension)
         drives = _drive_table(scenario)
+        bounds = (("--noise", scenario.noise), ("noise_v", scenario.noise_v))[: task.order]
+        measurement_errors = np.array([v for name, noise in bounds for v in entries_of(name, noise, task.dimension)])
         setting = LoopSetting(
             n=task.dimension,
             sets=len(sets.names),
@@ -226,8 +228,7 @@ class Loop:
             period=period,
             end=end,
             w_max=scenario.strength,
-            noise=scenario.noise,
-            noise_v=scenario.noise_v,
+            measurement_errors=measurement_errors.ctypes.data,
             filter=self.filter.ctypes.data,
             plant_constants=constants.ctypes.data,
             w_ratios=shares.ctypes.data,
@@ -333,8 +334,8 @@ def scenario_of_task(task: Task) -> dict[str, Any]:
     """Return the conditions that a task states, by their names in `Scenario`: rate, noise, noise_v, latency, drives."""
     return {
         "rate": float(1 / task.sampling_period),
-        "noise": float(task.plant.noise or 0),
-        "noise_v": float(task.plant.noise_v or 0),
+        "noise": one_if_equal(tuple(float(v) for v in task.noise)),
+        "noise_v": one_if_equal(tuple(float(v) for v in task.noise_v)),
         "latency": float(task.control.latency),
         "drives": task.drive_bounds,
     }

@@ -138,11 +138,12 @@ def _drive_delay(task: Task, u_max: tuple[Fraction, ...] | None) -> float:
 def _limits_for_templates(controller: EmittedController) -> dict[str, Any]:
     """Return where the robot may start, at which speed, and the limits of u, as literals of Python."""
     task, proved = controller.task, controller.certificate.proved_period
-    noise, noise_v = task.plant.noise or Fraction(0), task.plant.noise_v or Fraction(0)
     share = task.initial_set.share
-    starts = [((a + b) / 2, share * (b - a) / 2 - noise) for a, b in controller.certificate.start]
+    edges_and_noise = zip(controller.certificate.start, task.noise, strict=True)
+    starts = [((a + b) / 2, share * (b - a) / 2 - noise) for (a, b), noise in edges_and_noise]
     # A measured v may hide noise_v more. That a robot stands, no noisy measurement shows: this is assumed (ASSUMED).
-    speeds = [float(max(Fraction(0), v - noise_v) if v else noise_v) for v in task.start_speed] if task.order == 2 else []
+    both = zip(task.start_speed, task.noise_v, strict=True)
+    speeds = [float(max(Fraction(0), v - noise_v) if v else noise_v) for v, noise_v in both] if task.order == 2 else []
     u_max = task.u_max or (proved.u if proved else None)
     g_max = float(max(b.g_max for b in task.plant_bounds)) if proved else 1.0
     amplification = float(max(b.amplification for b in task.drive_bounds))

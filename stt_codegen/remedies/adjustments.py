@@ -72,7 +72,7 @@ def adjustments_of(task: Task, reason: Reason) -> Iterator[Adjustment]:
     Numbers of the axis that fails are changed alone before those of all axes.
     """
     axis, codes = reason.axis, set(reason.codes)
-    in_order = (*_settings(task), *_sampling(task), *_times(task), *_tube(task), *_robot(task, axis), *_entries(task))
+    in_order = (*_settings(task), *_sampling(task), *_times(task), *_tube(task, axis), *_robot(task, axis), *_entries(task))
     known = dict(reason.sufficient)
     first_keys = set(reason.about)
     useful = [a for a in in_order if (not codes or a.codes & codes) and not task.overridden_keys & set(a.keys)]
@@ -171,9 +171,11 @@ def _times(task: Task) -> Iterator[Adjustment]:
             yield _scaled_together(EDGES, [(f"unsafe[{k}].{key}", value) for k, value in values], REMOVING)
 
 
-def _scaled_together(codes: frozenset[str], values: Sequence[tuple[str, Numbers]], factors: Factors) -> Adjustment:
-    """Return the adjustment that multiplies several values by one factor."""
-    parts = [_scaled(codes, key, value, factors) for key, value in values]
+def _scaled_together(
+    codes: frozenset[str], values: Sequence[tuple[str, Numbers]], factors: Factors, axis: int | None = None
+) -> Adjustment:
+    """Return the adjustment that multiplies several values by one factor, of lists the entry of one axis where it is given."""
+    parts = [_scaled(codes, key, value, factors, axis) for key, value in values]
     return Adjustment(codes, lambda factor: Change(tuple(e for part in parts for e in part.change(factor).edits)), factors)
 
 
@@ -210,14 +212,17 @@ def _towards(
     return Adjustment(codes, change, (Fraction(1, 8), Fraction(1, 2), Fraction(1)), unchanged=Fraction(0))
 
 
-def _tube(task: Task) -> Iterator[Adjustment]:
-    tube = task.tube
+def _tube(task: Task, axis: int | None) -> Iterator[Adjustment]:
+    """Yield weaker limits on the tube's edges, less clearance and a narrower tube; of a list the entry of the axis first."""
+    tube, codes = task.tube, EDGES | MOTION | {START}
     for key, value in (("tube.max_speed", tube.max_speed), ("tube.max_acceleration", tube.max_acceleration)):
         if value is not None:
             yield _scaled(MOTION, key, value, RAISING_FAR)
     for key, value in (("tube.clearance", tube.clearance), ("tube.min_width", tube.min_width)):
-        if value:
-            yield _scaled(EDGES | MOTION | {START}, key, value, REMOVING)
+        if isinstance(value, tuple) and axis is not None and value[axis]:
+            yield _scaled(codes, key, value, REMOVING, axis)
+        if _has_any(value):
+            yield _scaled(codes, key, value, REMOVING)
 
 
 def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
@@ -235,7 +240,10 @@ def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
     drive = [(f"plant.{k}", v, REMOVING) for k in ("lag", "lag2", "overshoot") if (v := getattr(plant, k)) and _has_any(v)]
     drive += [("plant.slew", plant.slew, RAISING)] if plant.slew is not None else []
     yield from (_scaled(sampled, key, value, factors) for key, value, factors in drive)
-    noise = [(f"plant.{k}", v) for k in ("noise", "noise_v") if (v := getattr(plant, k))]
+    noise = [(f"plant.{k}", v) for k in ("noise", "noise_v") if (v := getattr(plant, k)) and _has_any(v)]
+    of_axis = [(key, v) for key, v in noise if axis is not None and isinstance(v, tuple) and v[axis]]
+    if of_axis and len(of_axis) == len(noise):
+        yield _scaled_together(sampled, noise, REMOVING, axis)
     if noise:
         yield _scaled_together(sampled, noise, REMOVING)
     forces = [(f"plant.{k}", v) for k in ("f_max", "w_max") if (v := getattr(plant, k)) and _has_any(v)]

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.arrays import one_if_equal
 from stt_codegen.report.bounds import (
     Advice,
     BoundsReport,
@@ -94,7 +95,7 @@ class Analysis(LoopAnalysis):
             scalar=controller.program.scalar,
             plant=self.name,
             axes=controller.task.axis_names,
-            noise=self.noise,
+            noise=one_if_equal(self.noise),
             latency=self.latency,
             hypotheses=tuple(self.hypotheses()),
             tube=TubeBounds(

@@ -246,7 +246,7 @@ class BoundsReport:
     scalar: str
     plant: str
     axes: tuple[str, ...]
-    noise: float
+    noise: float | tuple[float, ...]
     latency: float
     hypotheses: tuple[Hypothesis, ...]
     tube: TubeBounds

@@ -79,7 +79,8 @@ def _stated_plant_hypothesis(analysis: LoopAnalysis) -> Iterator[Hypothesis]:
     if analysis.plant is None or (task.control.period is None and not task.requires_input_limits):
         return
     about = Property.PERIOD if task.control.period is not None else Property.LIMITS
-    is_easier = analysis.noise < float(task.plant.noise or 0) or analysis.latency < float(task.control.latency)
+    has_less_noise = any(v < float(stated) for v, stated in zip(analysis.noise, task.noise, strict=True))
+    is_easier = has_less_noise or analysis.latency < float(task.control.latency)
     uncovered = uncovered_bounds(task, analysis.bounds)
     statement = f"this plant is one of those that {about.code} is about: {_stated_bounds(task)}"
     statement += "; asked with less noise or latency than the task's" if is_easier else ""

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.arrays import entries_of
 from stt_codegen.certify.adaptive import enclosed_tube, enclosed_windows
 from stt_codegen.controller import rate_error
 from stt_codegen.decimals import by_component, decimal
@@ -51,7 +52,8 @@ Array = npt.NDArray[Any]
 class LoopAnalysis:
     """The sampled loop of a controller and a plant, with the periods and gains that are proved for it.
 
-    plant: None for any plant within the task's table [plant]. noise: bound on the error of a measured state; latency: seconds
+    plant: None for any plant within the task's table [plant]. noise: bound on the error of a measured state, one number or one
+    for each component; latency: seconds
     from a sample until its input acts, a part of the age of a sample; None for what the task states. start: prove for this x(0)
     alone; None for all starts in the task's start share of gamma(0). Raises `BadInput` for a noise or latency that is negative.
     """
@@ -60,17 +62,16 @@ class LoopAnalysis:
         self,
         controller: EmittedController,
         plant: Model | None = None,
-        noise: float | None = None,
+        noise: float | Sequence[float] | None = None,
         latency: float | None = None,
         start: Sequence[float] | None = None,
     ) -> None:
         task = controller.task
-        noise = float(task.plant.noise or 0) if noise is None else noise
+        self.noise = entries_of("--noise", [float(v) for v in task.noise] if noise is None else noise, task.dimension)
         latency = float(task.control.latency) if latency is None else latency
-        for name, value in (("--noise", noise), ("--latency", latency)):
-            if not (math.isfinite(value) and value >= 0):
-                raise BadInput(f"{name} {value:g}: a finite number of 0 or more is needed")
-        self.controller, self.noise, self.latency = controller, noise, latency
+        if not (math.isfinite(latency) and latency >= 0):
+            raise BadInput(f"--latency {latency:g}: a finite number of 0 or more is needed")
+        self.controller, self.latency = controller, latency
         self.plant = plant
         self.tube_reading = READINGS[controller.design.kind](task, controller.design)
         self.windows = self.tube_reading.windows
@@ -134,7 +135,7 @@ class LoopAnalysis:
         distance = high[:n] - low[:n]
         if math.isfinite(self.known_mixing_age):
             distance = np.minimum(distance, np.maximum(np.abs(low[n:]), np.abs(high[n:])) * self.known_mixing_age)
-        return [float(v) for v in (distance + self.noise) * (1 + 1e-12)]
+        return [float(v) for v in (distance + np.array(self.noise)) * (1 + 1e-12)]
 
     @property
     def name(self) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.decimals import above, below, by_component, decimal
+from stt_codegen.decimals import above, below, by_component
 from stt_codegen.sampling import Bounds, bounds_of_task
 from stt_codegen.task import Task
 
@@ -156,7 +156,7 @@ def _lines(task: Task, table: dict[str, list[float]]) -> Iterator[str]:
             yield f"{name} = {by_component(stated if isinstance(stated, tuple) else (stated,))}"
     for name in ("noise", "noise_v"):
         if (error := getattr(task.plant, name)) is not None:
-            yield f"{name} = {decimal(error)}"
+            yield f"{name} = {by_component(error if isinstance(error, tuple) else (error,))}"
 
 
 def _reason(task: Task, worst: Extremes, bounds_of_minus_g: Callable[[], Sequence[Bounds]]) -> str:

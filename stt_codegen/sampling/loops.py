@@ -43,18 +43,18 @@ def loop_of(
     *,
     windows: Windows | None = None,
     bounds: Sequence[Bounds] | None = None,
-    noise: float | None = None,
+    noise: Sequence[float] | None = None,
     latency: float | None = None,
     start: Sequence[float] | None = None,
 ) -> SampledLoop:
     """Return the loop of a task and its tube, in doubles.
 
     edge_error, rate_error: bounds on the arithmetic's error of an edge (units) and, for order 2, of its rate (units per second),
-    (n,). windows: of an adaptive tube. bounds: on a plant, by window; None for those of [plant]. noise: a bound on the error of a
-    measured x, in units; latency: seconds; None for the task's. start: one state, with or without its speeds behind it; None for
-    all starts in the task's share.
+    (n,). windows: of an adaptive tube. bounds: on a plant, by window; None for those of [plant]. noise: bounds on the errors of a
+    measured x, (n,), in units; latency: seconds; None for the task's. start: one state, with or without its speeds behind it;
+    None for all starts in the task's share.
     """
-    noise = float(task.plant.noise or 0) if noise is None else noise
+    noise = [float(v) for v in task.noise] if noise is None else noise
     latency = float(task.control.latency) if latency is None else latency
     if task.order == 2:
         return _inertial_loop_of(
@@ -93,7 +93,7 @@ def exact_loop(
 
     Bounds on |eps| are rho = e^E. edge_error, rate_error: as for `loop_of`.
     """
-    noise, latency = task.plant.noise or Fraction(0), task.control.latency
+    noise, latency = task.noise, task.control.latency
     if task.order == 2:
         errors, age_factor = (edge_error, rate_error), Fraction(1)
         return _inertial_loop_of(task, design, errors, noise=noise, latency=latency, age_factor=age_factor, numbers=FRACTIONS)
@@ -117,7 +117,7 @@ def _inertial_loop_of(
     design: RefinedDesign,
     errors: tuple[Sequence[Fraction], Sequence[Fraction]],
     *,
-    noise: Any,
+    noise: Sequence[Any],
     latency: Any,
     age_factor: Fraction,
     numbers: Numbers,
@@ -129,7 +129,7 @@ def _inertial_loop_of(
     errors: of edges and of their rates. age_factor: where v is computed by differences, samples may be this many times
     control.period apart; beyond that its error is not known.
     """
-    extremes, both = filtered_extremes(design, numbers), (noise, numbers.of(task.plant.noise_v or 0))
+    extremes, both = filtered_extremes(design, numbers), (np.array(noise), np.array([numbers.of(v) for v in task.noise_v]))
     law = inertial_law(task, extremes, design.filter, errors, both, latency=latency, age_factor=age_factor, numbers=numbers)
     plant = bounds or [bounds_of_task(task, numbers)] * (design.segments + 1)
     loop = inertial_loop(design, extremes, plant, law, inertial_start_bound(task, design, start, numbers))

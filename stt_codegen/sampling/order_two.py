@@ -126,14 +126,14 @@ def velocity_bounds(design: RefinedDesign) -> tuple[Array, Array]:
 
 def difference_error(
     task: Task,
-    noise: Fraction,
+    noise: Sequence[Fraction],
     extremes: tuple[Sequence[Fraction], Sequence[Fraction]],
     filter_rates: Sequence[Fraction],
     age_factor: Fraction = Fraction(1),
 ) -> tuple[Fraction, ...]:
     """Return a bound on the error of a velocity by differences, by component.
 
-    noise: bounds the error of x. extremes: the largest edge speed and the largest W, by component. Samples are at most
+    noise: bounds the error of each x_i. extremes: the largest edge speed and the largest W, by component. Samples are at most
     age_factor times control.period apart. Between samples tau apart the quotient is the mean of v, which changes by at most A =
     F + G u_max + .. a second: this gives A tau/2 (the lemma `filtered.differences`). To this the function adds twice the error of
     x over the shortest tau, and bends roundings of the quotient, whose size is at most the edge speed + lambda W.
@@ -143,7 +143,7 @@ def difference_error(
     roundoff, errors = Fraction(FORMATS[task.emit.scalar].roundoff), []
     for i, acceleration in enumerate(task.largest_derivative(limits)):
         lag = acceleration * age_factor * task.sampling_period / 2
-        error = lag + 2 * (noise + roundoff * (task.largest_coordinate + noise)) / task.shortest_period
+        error = lag + 2 * (noise[i] + roundoff * (task.largest_coordinate + noise[i])) / task.shortest_period
         speed, width = (values[i] for values in extremes)
         errors.append(error + 4 * roundoff * (speed + filter_rates[i] * width + error))
     return tuple(errors)
@@ -162,7 +162,7 @@ def inertial_law(
     extremes: FilteredExtremes,
     filter_rates: Sequence[Fraction],
     errors: tuple[Sequence[Fraction], Sequence[Fraction]],
-    noise: tuple[Any, Any],
+    noise: tuple[Array, Array],
     *,
     latency: Any = 0.0,
     age_factor: Fraction = KNOWN_AGE_FACTOR,
@@ -171,7 +171,7 @@ def inertial_law(
     """Return the law of a task of order 2.
 
     Its `shift` sums up the errors of a and b: of the arithmetic of edges and rates (`errors`), of the noise of x and v, of x and
-    v rounded to the scalar, and of the roundings of a and b. age_factor: as in `difference_age`.
+    v rounded to the scalar, and of the roundings of a and b. noise: of x and of v, (n,) each. age_factor: as in `difference_age`.
     """
     edge, rate = errors
     roundoff = numbers.of(FORMATS[task.emit.scalar].roundoff)
@@ -182,7 +182,7 @@ def inertial_law(
     of_v: Any = noise[1]
     if task.uses_differences:
         exact = ([Fraction(v) for v in fastest.tolist()], [Fraction(v) for v in width.tolist()])
-        error = difference_error(task, Fraction(noise[0]), exact, filter_rates, age_factor)
+        error = difference_error(task, [Fraction(v) for v in noise[0].tolist()], exact, filter_rates, age_factor)
         of_v = of_v + numbers.outward(np.array([numbers.of(v) for v in error]), OUTWARD_MARGIN)
     in_state = filter_rate * size + (fastest + filter_rate * width)
     rounded = roundoff * (in_state + ROUNDINGS * (wide + 2 * filter_rate * width))

@@ -146,14 +146,20 @@ def law_of(
 ) -> SampledLaw:
     """Return the law of a task.
 
-    edge_error: P7's bound, (n,). noise: a bound on the error of a measured x, in the task's units. latency: seconds.
+    edge_error: P7's bound, (n,). noise: a bound on the error of a measured x, in the task's units, one or (n,). latency:
+    seconds.
     """
     n, scalar, limits = task.dimension, task.emit.scalar, task.emitted_u_max
     rounded = numbers.outward(numbers.of(FORMATS[scalar].roundoff * task.largest_coordinate), 1e-12)
     return SampledLaw(
         gain=np.array([numbers.of(abs(v)) for v in task.gain]),
         e_max=np.array([numbers.of(v) for v in task.e_max]),
-        shift=np.array([numbers.outward(numbers.of(2 * e), 1e-12) + rounded + noise for e in edge_error]),
+        shift=np.array(
+            [
+                numbers.outward(numbers.of(2 * e), 1e-12) + rounded + error
+                for e, error in zip(edge_error, np.broadcast_to(np.asarray(noise), n), strict=True)
+            ]
+        ),
         u_max=np.full(n, np.inf) if limits is None else np.array([numbers.of(v) for v in limits]),
         rounding=numbers.of(ROUNDING[scalar, task.emit.math]),
         latency=latency,

@@ -8,6 +8,8 @@
     clearance       increased by |k| times the drift: how far the period is from the 2 pi/m that it stands for; the target shrinks
     noise           increased by the error of unwrapping, where the task has plant bounds or a period
 
+Of a clearance or a noise by component every entry is increased by the same.
+
 Everything is exact. docs/certificate-format.md has the same rules for the stand-alone checker, which applies them by itself.
 `Task` calls `expand_turns` when it is made; the emitted unwrapping reads the `ClosedAxis` values.
 
@@ -183,7 +185,7 @@ class _TurnExpansion:
         ends = table.to_convex_set((), ()).span(at)
         by = [point.by[at] for point in table.motion or ()] or [Fraction(0)]
         growth = (table.spread or 0) * (task.prescribed_time + (table.timing or 0) + task.start_delay)
-        reach = task.tube.clearance + self.body[i] + growth + IMAGE_MARGIN * axis.period
+        reach = task.clearances[i] + self.body[i] + growth + IMAGE_MARGIN * axis.period
         first = math.ceil((self.lower[i] - reach - ends[1] - max(by)) / axis.period)
         last = math.floor((self.upper[i] + reach - ends[0] - min(by)) / axis.period)
         return sorted({0, *range(first, min(last, first + MAX_IMAGES) + 1)}, key=lambda k: (abs(k), -k))
@@ -291,14 +293,20 @@ def expand_turns(task: TaskTables) -> tuple[dict[str, Any], tuple[ClosedAxis, ..
     pairs = [(image, sets[image.source]) for _, image in images]
     axes = tuple(_with_errors(task, expansion, axis, pairs) for axis in expansion.axes)
     image_drift = max(axis.image_turns * axis.drift for axis in axes)
+    clearance = _raised(task.tube.clearance, image_drift)
     changes: dict[str, Any] = {
         "state_space": space, "target_set": target, "unsafe": (*sets, *(table for table, _ in images)),
-        "tube": task.tube.model_copy(update={"clearance": task.tube.clearance + image_drift}) if image_drift else task.tube,
+        "tube": task.tube.model_copy(update={"clearance": clearance}) if image_drift else task.tube,
     }  # fmt: skip
     if task.plant.is_stated or task.control.period is not None:
-        noise = (task.plant.noise or Fraction(0)) + max(axis.unwrap_error for axis in axes)
+        noise = _raised(task.plant.noise or Fraction(0), max(axis.unwrap_error for axis in axes))
         changes["plant"] = task.plant.model_copy(update={"noise": noise})
     return changes, axes, tuple(sources)
+
+
+def _raised(value: Fraction | tuple[Fraction, ...], by: Fraction) -> Fraction | tuple[Fraction, ...]:
+    """Return a number, or the number of each component, raised by the same amount."""
+    return tuple(v + by for v in value) if isinstance(value, tuple) else value + by
 
 
 def _require_free_names(task: TaskTables, images: list[tuple[Unsafe, SetImage]]) -> None:
@@ -331,12 +339,11 @@ def _with_errors(
         raise BadInput(f"{field}: {problem}; write {name} nearer to 0 everywhere")
     error_bound = counted_turns * axis.drift + u * period * (3 * counted_turns + 3)
     error = Fraction(math.ceil(error_bound * ERROR_PARTS), ERROR_PARTS)
-    step = period / 2 - 2 * ((task.plant.noise or Fraction(0)) + error) - 4 * error
+    step = period / 2 - 2 * (task.noise[i] + error) - 4 * error
     x, start = task.initial_state[i], task.start
     if step <= 0:
-        raise BadInput(
-            f"plant.noise: is {decimal(task.plant.noise or Fraction(0))}, and then turns of {name} cannot be distinguished"
-        )
+        field = f"plant.noise[{i}]" if isinstance(task.plant.noise, tuple) else "plant.noise"
+        raise BadInput(f"{field}: is {decimal(task.noise[i])}, and then turns of {name} cannot be distinguished")
     if max(x - start.lower[i], start.upper[i] - x) >= step:
         raise BadInput(
             f"initial_set: reaches half a turn from initial_state in {name}, and a first measurement is unwrapped from there; "

@@ -50,6 +50,7 @@ from stt_codegen.task.values import (
     GainOrAuto,
     Labels,
     NotNegative,
+    NotNegativePerComponent,
     Number,
     PerComponent,
     PerComponentOrAuto,
@@ -105,8 +106,12 @@ class TubeOptions(TomlTable):
     """How the tube is designed."""
 
     design: DesignKind = "refined"
-    clearance: NotNegative = Field(default=Fraction(3, 100), description="distance between tube and unsafe sets")
-    min_width: NotNegative = Field(default=Fraction(5, 100), description="minimum width of the tube in each dimension")
+    clearance: NotNegativePerComponent = Field(
+        default=Fraction(3, 100), description="distance between tube and unsafe sets, or one for each component"
+    )
+    min_width: NotNegativePerComponent = Field(
+        default=Fraction(5, 100), description="minimum width of the tube in each dimension, or one for each component"
+    )
     prefer: Preference = Field(
         default="balanced", description=f"the quality for which a {kinds_offering('offers_widths')} tube gives up the others"
     )
@@ -225,9 +230,11 @@ class PlantBounds(TomlTable):
     overshoot: PerComponent | None = Field(
         default=None, description="share of a step of u by which what acts overshoots at most, in [0, 1); absent: 0"
     )
-    noise: NotNegative | None = Field(default=None, description="bound on the error of every measured x_i; absent: 0")
-    noise_v: NotNegative | None = Field(
-        default=None, description="bound on the error of every measured v_i, for order 2; absent: 0"
+    noise: NotNegativePerComponent | None = Field(
+        default=None, description="bound on the error of every measured x_i, or one for each component; absent: 0"
+    )
+    noise_v: NotNegativePerComponent | None = Field(
+        default=None, description="bound on the error of every measured v_i, or one for each component, for order 2; absent: 0"
     )
     exact: StrictBool = Field(
         default=False, description="the plant is x' = u and no other: f = w = 0, g = 1; else control.period assumes a plant"
@@ -411,6 +418,36 @@ class TaskTables(TomlTable):
             g_max = high if high is not None else max(Fraction(1), g_min)
             bounds.append(ComponentBounds(force[i] + disturbance[i], g_min, g_max, cross[i]))
         return tuple(bounds)
+
+    @property
+    def clearances(self) -> tuple[Fraction, ...]:
+        """The distance kept from unsafe sets, by dimension."""
+        return self._per_component(self.tube.clearance)
+
+    @property
+    def clearance_excess(self) -> tuple[Fraction, ...]:
+        """By how much the clearance of each dimension is above the smallest one; a set grown by it has one clearance for all."""
+        return tuple(v - min(self.clearances) for v in self.clearances)
+
+    @property
+    def min_widths(self) -> tuple[Fraction, ...]:
+        """The least width of the tube that the task asks for, by dimension."""
+        return self._per_component(self.tube.min_width)
+
+    @property
+    def noise(self) -> tuple[Fraction, ...]:
+        """The bound on the error of each measured x_i."""
+        return self._per_component(self.plant.noise or Fraction(0))
+
+    @property
+    def noise_v(self) -> tuple[Fraction, ...]:
+        """The bound on the error of each measured v_i, for order 2."""
+        return self._per_component(self.plant.noise_v or Fraction(0))
+
+    @property
+    def has_noise(self) -> bool:
+        """Whether the task states that some measured x_i or v_i may be wrong."""
+        return any(self.noise) or any(self.noise_v)
 
     @property
     def drive_bounds(self) -> tuple[DriveBounds, ...]:

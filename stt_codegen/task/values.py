@@ -172,6 +172,10 @@ Vector = Annotated[tuple[Number, ...], BeforeValidator(_vector)]
 PerComponent = Annotated[  # one number for all components, or a list with one number per component
     Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")], Discriminator(_number_or_list)
 ]
+NotNegativeVector = Annotated[tuple[NotNegative, ...], BeforeValidator(_vector)]
+NotNegativePerComponent = Annotated[  # the same of numbers that are 0 or greater
+    Annotated[NotNegative, Tag("<number>")] | Annotated[NotNegativeVector, Tag("<list>")], Discriminator(_number_or_list)
+]
 PerComponentOrAuto = Annotated[
     Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
     Discriminator(_number_or_list),

@@ -62,6 +62,10 @@ def read_task(task: bytes, certificate: dict[str, Any]) -> Task:
         ("mission" in numbers.document, "missions"),
         (numbers.moves, "sets that move, or are unsafe only for a while"),
         (numbers.turns is not None, "axes that close (periodic): Coq does not read turns yet"),
+        *(
+            (isinstance(numbers.document.get("tube", {}).get(key), list), f"tube.{key} by component: state one number")
+            for key in ("clearance", "min_width")
+        ),
     ):
         if has_feature:
             raise BadInput(f"theorem: not yet about {feature}")
@@ -80,6 +84,7 @@ def uncovered_loop_feature(task: Task) -> str:
         "a drive of [plant]": bool(task.drive.stated),
         "a plant that is assumed": task.assumes_plant,
         "a control.u_max that was chosen": task.leaves_limit,
+        "a plant.noise by component": isinstance(task.stated["noise"], list),
     }
     return next((feature for feature, has_feature in features.items() if has_feature), "")
 
@@ -131,8 +136,8 @@ def _facts(task: Task, source: bytes, document: dict[str, Any]) -> Facts:
         normals=tuple(usable_normals(shape, hints.get(name)) for name, shape in zip(names, sets.unsafe, strict=True)),
         walls=sets.walls,
         goals=sets.goals,
-        clearance=task.clearance,
-        min_width=task.min_width,
+        clearance=task.clearance[0],
+        min_width=task.min_width[0],
         edge_error=edge_error,
         time_scale=time_scale,
         last_spline_time=last_spline_time,
@@ -193,7 +198,7 @@ def _sampled_facts(task: Task, scalar: str, claim: dict[str, Any], edge_error: F
     assert task.period is not None
     disturbance, g_min, g_max, g_cross = zip(*(task.bounds(i) for i in range(task.n)), strict=True)
     rho, certified_shift = (tuple(fractions(claim[key], task.n)) for key in ("rho", "shift"))
-    noise, half_ulp = (task.plant["noise"] or [Fraction(0)])[0], Fraction(1, 1 << FORMATS[scalar].bits)
+    noise, half_ulp = task.noise(0)[0], Fraction(1, 1 << FORMATS[scalar].bits)
     # The certificate's shift has edge errors that are not rounded up to whole units, so it may be smaller.
     needed_shift = edge_error + noise + half_ulp * task.farthest
     return SampledFacts(

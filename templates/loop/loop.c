@@ -488,7 +488,7 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
         }
         lost = k > 0 && lost < s->max_lost_samples && uniform(&v.random) < 0.5 ? lost + 1 : 0;
         if (!lost) {
-            for (int i = 0; i < size; i++) measured[i] = x[i] + (i < n ? s->noise : s->noise_v) * (2.0 * uniform(&v.random) - 1.0);
+            for (int i = 0; i < size; i++) measured[i] = x[i] + s->measurement_errors[i] * (2.0 * uniform(&v.random) - 1.0);
             status = step(t, measured, u);
             if (status != 0 && r->outside++ == 0) r->outside_at = t;
             for (int i = 0; i < n; i++) r->u[i] = fmax(r->u[i], fabs(u[i]));

@@ -40,8 +40,7 @@ typedef struct {
     uint64_t seed;
     double period, end;    /* seconds; the last period is cut at the end */
     double w_max;          /* bound on |w|, the Euclidean norm */
-    double noise;          /* bound on the error of every measured component of x */
-    double noise_v;        /* bound on the error of every measured component of v */
+    const double *measurement_errors; /* bounds on the error of every measured component of the state */
     const double *filter;  /* n, lambda of order 2: v + filter x is in the filtered tube */
     const double *plant_constants; /* in this run */
     const double *w_ratios; /* n, at most 1: |w_i| is at most w_ratios[i] w_max */

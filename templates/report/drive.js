@@ -152,10 +152,16 @@ function createLoop(setting) {
     return loop.x.map((_, k) => (k === i ? size * Math.cos(conditions.angle) : k === j ? size * Math.sin(conditions.angle) : 0));
   }
 
+  /* The noise of component k of the state over the slider's value. */
+  const noiseRatio = (k) => {
+    const ratio = k < n ? setting.x_noise_ratio : setting.v_noise_ratio;
+    return Array.isArray(ratio) ? ratio[k % n] : ratio;
+  };
+
   /* Take a sample: measure, compute u with the C, and let it act now or after the latency. */
   function takeSample(conditions, isFirst) {
     advanceAlpha(loop.t);
-    const measured = state().map((v, k) => v + conditions.noise * (k < n ? setting.x_noise_ratio : setting.v_noise_ratio) * random());
+    const measured = state().map((v, k) => v + conditions.noise * noiseRatio(k) * random());
     const [status, u] = loop.control(loop.t, measured);
     if (wasm.loop_own_waited_seconds) loop.waitedSeconds = wasm.loop_own_waited_seconds();
     loop.status = status;

@@ -165,7 +165,8 @@ function createDriver(setting) {
     driveElement("wind-now").textContent = `${formatNumber(now.wind)}${unit}${perTime}${provedLimit(proved && proved.w, (v) => `up to ${formatNumber(roundDown(v))}`)}`;
     driveElement("latency-now").textContent = `${formatNumber(now.latency * 1000)} ms${provedLimit(proved && proved.latency, (v) => `up to ${formatNumber(roundDown(v * 1000))}`)}`;
     const noiseUnit = setting.x_noise_ratio ? unit : ` of v, ${unit ? `${unit.trim()}/s` : "per s"}`;
-    driveElement("noise-now").textContent = `${formatNumber(now.noise)}${noiseUnit}${provedLimit(proved && proved.noise, (v) => `up to ${formatNumber(roundDown(v))}`)}`;
+    const noisiest = [setting.x_noise_ratio, setting.v_noise_ratio].some(Array.isArray) ? " on the noisiest axis" : "";
+    driveElement("noise-now").textContent = `${formatNumber(now.noise)}${noiseUnit}${noisiest}${provedLimit(proved && proved.noise, (v) => `up to ${formatNumber(roundDown(v))}`)}`;
     const [i, j] = now.plane;
     driveElement("angle-now").textContent = dimension > 1 ? `${driveElement("angle").value}\u00b0 from ${withoutUnit(data.axes[i])} to ${withoutUnit(data.axes[j])}` : `${driveElement("angle").value}\u00b0`;
     driveElement("angle").closest("label").hidden = now.kind !== "constant";

@@ -287,8 +287,9 @@ def test_the_files_of_a_mutant_mean_to_the_checker_what_the_mutant_is() -> None:
             assert read.target.ball == (centre, target.radius)
         assert read.start == (list(task.start.lower), list(task.start.upper))
         limits = [None if limit is None else list(limit) for limit in (task.max_speed, task.max_acceleration)]
-        assert (read.clearance, [read.max_speed, read.max_acceleration]) == (task.tube.clearance, limits)
-        assert (read.state, read.min_width) == (list(task.initial_state), max(task.tube.min_width, SMALLEST_WIDTH))
+        assert (read.clearance, [read.max_speed, read.max_acceleration]) == ([task.tube.clearance] * task.dimension, limits)
+        narrowest = max(task.tube.min_width, SMALLEST_WIDTH)
+        assert (read.state, read.min_width) == (list(task.initial_state), [narrowest] * task.dimension)
         assert tube.table == [list(row) for row in design.table]
 
 

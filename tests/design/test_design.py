@@ -147,7 +147,7 @@ def test_a_tube_for_a_body_is_clear_of_sets_grown_by_it(name: str) -> None:
 
 def required_widths(arena: Arena) -> Array:
     """Return the smallest width of a tube, by dimension."""
-    return np.full(arena.dimension, arena.min_width)
+    return arena.min_widths
 
 
 @pytest.mark.parametrize("seed", range(0, 40, 8))

@@ -209,7 +209,7 @@ def test_the_factor_changes_every_bound_on_edges_and_none_on_rates() -> None:
     usual_arena, larger_arena = arena_of(task, usual), arena_of(task, larger)
     added = 4 * float(usual.allowance)
     assert larger_arena.clearance - usual_arena.clearance == pytest.approx(added)
-    assert larger_arena.min_width - usual_arena.min_width == pytest.approx(2 * added)
+    assert larger_arena.min_widths - usual_arena.min_widths == pytest.approx(2 * added)
     assert larger_arena.start[0] - usual_arena.start[0] == pytest.approx(2 * added)
     assert usual_arena.target[1] - larger_arena.target[1] == pytest.approx(added)
     assert usual_arena.space[1] - larger_arena.space[1] == pytest.approx(added)

@@ -221,7 +221,12 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
         (Leg, "displacements_at", lambda leg, t: tuple(a for a, _ in leg.displacements), "moving.places"),
         (slack, "halves", lambda piece: (piece[..., :1] + 0 * piece, piece[..., :1] + 0 * piece), "rows.subdivided"),
         (constraints, "initial_state_constraints", lambda task: constraints.start_constraints(task), "rows.plain"),
-        (constraints, "separation_constraints", lambda convex, clearance: SHIPPED.constraints(convex, Fraction(0)), "rows.apart"),
+        (
+            constraints,
+            "separation_constraints",
+            lambda convex, clearances: SHIPPED.constraints(convex, [min(clearances, key=str)] * 3),
+            "rows.apart",
+        ),
         (constraints.Constraint, "bound_from", lambda row, origin: row.bound, "rows.moved"),
         (BoxSet, "support", lambda box, normal: Fraction(0), "rows.support"),
         (

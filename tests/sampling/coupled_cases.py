@@ -292,11 +292,12 @@ def difference_errors_agree() -> bool:
             draw, n, emit=SimpleNamespace(scalar="float"), sampling_period=draw_fraction(draw, 0.01, 0.02),
             shortest_period=draw_fraction(draw, 0.005, 0.01), largest_coordinate=Fraction(7),
         )  # fmt: skip
-        noise, factor, roundoff = draw_fraction(draw, 0.001, 0.002), draw_fraction(draw, 1, 1.1), Fraction(1, 1 << 24)
+        factor, roundoff = draw_fraction(draw, 1, 1.1), Fraction(1, 1 << 24)
+        noise = [draw_fraction(draw, 0.001, 0.002) for _ in range(n)]
         speeds, widths, rates = ([draw_fraction(draw, 1, 2) for _ in range(n)] for _ in range(3))
         errors = []
         for i, rate in enumerate(derivatives_by_hand(task, task.emitted_u_max)):
-            error = rate * factor * task.sampling_period / 2 + 2 * (noise + roundoff * (7 + noise)) / task.shortest_period
+            error = rate * factor * task.sampling_period / 2 + 2 * (noise[i] + roundoff * (7 + noise[i])) / task.shortest_period
             errors.append(error + 4 * roundoff * (speeds[i] + rates[i] * widths[i] + error))
         if difference_error(task, noise, (speeds, widths), rates, factor) != tuple(errors):
             return False

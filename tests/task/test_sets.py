@@ -196,7 +196,7 @@ def test_the_slack_of_a_constraint_is_the_distance_beyond_the_clearance(
     polygon: Polygon, box: BoxSet, clearance: Fraction
 ) -> None:
     """A constraint has the slack s exactly if the box touches the face of the set grown by clearance + s."""
-    for constraint, (normal, offset) in zip(separation_constraints(polygon, clearance), polygon.faces, strict=True):
+    for constraint, (normal, offset) in zip(separation_constraints(polygon, (clearance, clearance)), polygon.faces, strict=True):
         slack = (
             minimum_over_box(normal, box.lower, box.upper) - constraint.bound - constraint.clearance
         ) / constraint.slack_per_distance

@@ -31,11 +31,11 @@ from stt_codegen.certify.adaptive.slopes import speed_bound
 from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.constraints import (
     initial_state_constraints,
-    minimum_width,
     reach_constraints,
     start_constraints,
     stay_constraints,
     width_constraints,
+    width_statement,
 )
 from stt_codegen.controller import lines_program
 from stt_codegen.controller.kernels import alpha_cap
@@ -238,12 +238,11 @@ def _certificate(task: Task, design: AdaptiveDesign, exact: Enclosure, bounds: _
     speed = tuple(-lower_bound(-v) for v in speed_bound(task, design, exact, bounds.lines, bounds.alpha))
     finder = Finder(task, bounds.lines.times, gamma)
     width = gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])
-    wide = f"width >= {decimal(minimum_width(task))} in every dimension"
     inside, within = "x(0) inside gamma(0)", "gamma(0) within the initial set"
     begin, end = slice(0, 1), slice(-1, None)
     return Certificate(
         findings=(
-            finder.finding(width_constraints(task), Property.WIDTH, wide),
+            finder.finding(width_constraints(task), Property.WIDTH, width_statement(task)),
             finder.finding(initial_state_constraints(task), Property.START, inside, cells=begin, advice=Property.START.advice),
             finder.finding(start_constraints(task), Property.START, within, cells=begin),
             finder.finding(stay_constraints(task), Property.STAY, "gamma within the state space"),

@@ -17,14 +17,15 @@ from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.constraints import (
     Constraint,
     avoidances,
+    clearance_statement,
     initial_state_constraints,
-    minimum_width,
+    minimum_widths,
     reach_constraints,
     start_constraints,
     stay_constraints,
     width_constraints,
 )
-from stt_codegen.decimals import decimal
+from stt_codegen.decimals import by_dimension
 from stt_codegen.designs import GRID_STEPS, AdaptiveDesign, grid_tube
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
@@ -39,7 +40,12 @@ def falsify(task: Task, design: AdaptiveDesign) -> Certificate:
     settings = 'use tube.design = "refined", or other parameters in [tube.adaptive]'
     findings = [
         _finding(
-            t, width_constraints(task), (low, high), Property.WIDTH, f"width >= {decimal(minimum_width(task))}", advice=settings
+            t,
+            width_constraints(task),
+            (low, high),
+            Property.WIDTH,
+            f"width >= {by_dimension(minimum_widths(task))}",
+            advice=settings,
         ),
         *_start(task, t, low, high),
         _finding(t, stay_constraints(task), (low, high), Property.STAY, "gamma within the state space", advice=settings),
@@ -132,7 +138,7 @@ def _avoid(task: Task, t: Array, low: Array, high: Array, advice: str) -> Findin
     gap = np.stack([_slack(avoidance.alternatives, below, above).max(axis=1) for avoidance in sets], axis=1)  # (S, J)
     gap = np.where(np.isnan(gap), -np.inf, gap)
     k, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
-    statement = f"gamma at least {decimal(task.tube.clearance)} from each of {len(sets)} unsafe sets"
+    statement = clearance_statement(task, len(sets))
     time = (_exact(float(t[k])), _exact(float(t[k + 1])))
     return Finding(
         Property.AVOID,

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from stt_codegen.certify.adaptive.lines import HIGH, LOW
 from stt_codegen.certify.certificate import Finding
-from stt_codegen.constraints import Constraint, avoidances
-from stt_codegen.decimals import above, by_component, decimal
+from stt_codegen.constraints import Constraint, avoidances, clearance_statement
+from stt_codegen.decimals import above, by_component
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
@@ -76,7 +76,7 @@ class Finder:
             k = int(np.argmin(slack))
             worst = min(worst, (float(slack[k]), k, avoidance.name))
         margin, k, name = worst
-        statement = f"gamma at least {decimal(self.task.tube.clearance)} from each of {len(sets)} unsafe sets"
+        statement = clearance_statement(self.task, len(sets))
         return Finding(
             Property.AVOID,
             statement,

@@ -214,7 +214,7 @@ def _bound(value: Fraction) -> float:
 
 def _statement(task: Task) -> str:
     """Return what P9 states for this task, in words: the period, the starts and the plants."""
-    plant, control = task.plant, task.control
+    control = task.control
     assert control.period is not None
     stated = task.plant_bounds
     force, g_min, g_max, cross = (by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross"))
@@ -222,13 +222,13 @@ def _statement(task: Task) -> str:
     g = f"{g_ii} = {g_min}" if g_min == g_max else f"{g_min} <= {g_ii} <= {g_max}"
     assumed = " (assumed, as [plant] states no bounds)" if task.assumes_plant else ""
     bounds = [f"|f + w| <= {force}", g, f"|g_ij| <= {cross}{assumed}"]
-    bounds += [f"x measured to {decimal(plant.noise)}"] if plant.noise else []
+    bounds += [f"x measured to {by_component(task.noise)}"] if any(task.noise) else []
     bounds += drive_words(task)
     starts = f"|e(0)| <= {decimal(task.initial_set.share)}"
     if task.order == 2:
         at_most = by_component(task.start_speed)
         starts += f" and |v(0)| <= {at_most}" if any(task.start_speed) else " at rest"
-        bounds += [f"v measured to {decimal(plant.noise_v)}"] if plant.noise_v else []
+        bounds += [f"v measured to {by_component(task.noise_v)}"] if any(task.noise_v) else []
     if task.has_chosen_limit and task.u_max is not None:
         norm = task.control.u_norm
         reason = "" if norm is None else f" so that its Euclidean norm is at most {decimal(norm)}"

@@ -58,7 +58,8 @@ class Mission:
             return None
         axes = axes_of(table, self.task.names)
         ends = dict(zip(axes, zip(*box(table, len(axes)), strict=True), strict=True))
-        growth = [h + self.task.clearance if f[0] == "out" else Fraction(0) for h in self.task.body]
+        margins = zip(self.task.body, self.task.clearance, strict=True)
+        growth = [h + v if f[0] == "out" else Fraction(0) for h, v in margins]
         return [(ends[i][0] - g, ends[i][1] + g) if i in ends else (-math.inf, math.inf) for i, g in enumerate(growth)]
 
     def atoms(self, f: Formula) -> list[Formula]:

@@ -84,13 +84,13 @@ def start_ratios(task: Any, tube: Tube, filters: list[Fraction]) -> list[Fractio
 def shifts(task: Any, tube: Tube, law: Law) -> list[Fraction]:
     """Return by component how far the position that the law sees in the tube may be off: by the edges' errors, x (and v) rounded
     to the scalar, noise, and for order 2 the roundings of a and b, 8 of numbers that are at most Z + 2 lambda W."""
-    eps, (noise, noise_v) = Fraction(1, 1 << law.bits), ((task.plant.get(k) or [ZERO])[0] for k in ("noise", "noise_v"))
+    eps = Fraction(1, 1 << law.bits)
     if task.order == 1:
-        return [2 * v + eps * task.farthest + noise for v in law.edge_error]
+        return [2 * v + eps * task.farthest + task.noise(i)[0] for i, v in enumerate(law.edge_error)]
     edges, result, limit = filtered_tube(task, tube, law.filters)[0], [], emitted_limits(task, law.bits)
     for i, s in enumerate(law.filters):
         w = max(h - v for piece in tube.pieces for v, h in zip(*piece[i], strict=True)) * tube.unit
-        fastest, z = tube.speed(i), max(widths(edges, i))
+        (noise, noise_v), fastest, z = task.noise(i), tube.speed(i), max(widths(edges, i))
         if task.differs:
             force, _, g_max, cross = task.bounds(i)
             largest = [v * (1 + 2 * nu) for v, nu in zip(limit, task.drive.opposite, strict=True)]

@@ -18,12 +18,12 @@ def covered_starts(task: Any, tube: Tube, law: Law) -> dict[str, list[Fraction]]
     of it, for v + lambda x what `start_ratios` says, less what a measurement may be wrong by: the noise, and roundings. A C in
     integers has them in units of the table."""
     unit, eps, counts_units = tube.unit, Fraction(2, 1 << law.bits), law.scalar == "fixed"
-    noise, noise_v = ((task.plant.get(k) or [Fraction(0)])[0] for k in ("noise", "noise_v"))
-    noise = task.turns.unwrap_noise if task.turns else noise
     per_segment = unit * tube.segments / task.t_c
     ratios = start_ratios(task, tube, law.filters) if task.period is not None and task.order == 2 else []
     tables: list[list[Fraction]] = [[] for _ in range(2 * task.order)]
     for i, (low, high) in enumerate(tube.pieces[0]):
+        noise, noise_v = task.noise(i)
+        noise = task.turns.unwrap_noise[i] if task.turns else noise
         spans = [(low[0] * unit, high[0] * unit, task.start_share, noise + (unit / 2 if counts_units else eps * task.farthest))]
         if task.order == 2:
             s = law.filters[i]

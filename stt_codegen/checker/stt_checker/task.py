@@ -58,8 +58,8 @@ class Task:
 
     def _read_tube(self, tube: dict[str, Any]) -> None:
         n = self.n
-        self.clearance = number(tube.get("clearance", Decimal("0.03")))
-        self.min_width = max(number(tube.get("min_width", Decimal("0.05"))), NARROWEST_WIDTH)
+        self.clearance = numbers(tube.get("clearance", Decimal("0.03")), n)
+        self.min_width = [max(v, NARROWEST_WIDTH) for v in numbers(tube.get("min_width", Decimal("0.05")), n)]
         self.segments = number(tube["segments"]) if "segments" in tube else None
         self.max_speed = numbers(tube["max_speed"], n) if "max_speed" in tube else None
         self.max_acceleration = numbers(tube["max_acceleration"], n) if "max_acceleration" in tube else None
@@ -160,11 +160,10 @@ class Task:
             (type(plant.get("exact", False)) is not bool, "an `exact` that is neither true nor false"),
             (plant.get("exact") is True and any(self.plant[k] for k in ("f_max", "w_max", "g_min", "g_max", "g_cross")),
              "an exact plant with bounds"),
-            (min([self.clearance, self.latency, self.start_delay, *self.body, *self.speed, *bounds]) < 0, "a negative number"),
+            (min([*self.clearance, self.latency, self.start_delay, *self.body, *self.speed, *bounds]) < 0, "a negative number"),
             (len({o.name for o in self.unsafe}) < len(self.unsafe), "two unsafe sets of one name"),
             (type(self.repeats) is not bool, "a `repeat` that is neither true nor false"),
             (self.repeats and (self.reaches or self.moves or not has_mission), "a `repeat` for a task that has an end"),
-            (isinstance(plant.get("noise"), list) or isinstance(plant.get("noise_v"), list), "a list as noise"),
             (control.get("saturate", "clip") not in ("clip", "scale"), "a `saturate` that is unknown here"),
             (self.scales and (lists or not is_equal or self.order == 2 or self.period is not None),
              "u scaled as a whole where nothing is proved about it"),
@@ -201,6 +200,11 @@ class Task:
     def is_late(self) -> bool:
         """Whether an input may act later than its sample, or otherwise than it is commanded."""
         return self.latency > 0 or not self.drive.acts_at_once
+
+    def noise(self, i: int) -> tuple[Fraction, Fraction]:
+        """Return by how much a measured x_i and a measured v_i may be wrong."""
+        of_x, of_v = ((self.plant.get(k) or [Fraction(0)] * self.n)[i] for k in ("noise", "noise_v"))
+        return of_x, of_v
 
     def bounds(self, i: int) -> Bounds:
         """Return the plant bounds of component i. A missing g_min or g_max is 1, or the other one where 1 contradicts it."""

@@ -95,7 +95,8 @@ def avoids(task: Any, tube: Tube, obstacle: Obstacle, claim: Any, cuts: int) -> 
     seconds = task.t_c / (tube.segments * cuts)  # of a part of a segment
     for a, b, normal, multipliers in normals_of(claim, task.n, cuts):
         size, piece = sum(map(abs, normal)), tube.part(a, b, cuts)
-        needed = (obstacle.largest_height(normal, multipliers) + size * task.clearance) / tube.unit + claim["margin"] * size
+        clearance = sum(abs(c) * v for c, v in zip(normal, task.clearance, strict=True))
+        needed = (obstacle.largest_height(normal, multipliers) + clearance) / tube.unit + claim["margin"] * size
         heights = [sum(c * piece[i][c < 0][k] for i, c in enumerate(normal) if c) for k in range(4)]
         if obstacle.course is None:
             if min(heights) < needed:
@@ -133,10 +134,10 @@ def prove(task: Any, tube: Tube, claims: list, cuts: int, error: int) -> None:
         return (tube.part(a, b, cuts) for a, b in itertools.pairwise(sorted(places | {*range(0, end + 1, cuts)})))
 
     claim = take_claim(claims, "P1", [0, end], 2 * error)
-    narrowest = task.min_width / unit + claim["margin"]
+    narrowest = [v / unit + claim["margin"] for v in task.min_width]
     for piece in pieces(claim):
-        for name, edges in zip(task.names, piece, strict=True):
-            is_wide = all(b - a >= narrowest for a, b in zip(*edges, strict=True))
+        for name, edges, width in zip(task.names, piece, narrowest, strict=True):
+            is_wide = all(b - a >= width for a, b in zip(*edges, strict=True))
             require(is_wide, f"P1 does not hold: the tube is narrower than min_width in {name}")
 
     margin = take_claim(claims, "P2", [0, 0], error)["margin"]

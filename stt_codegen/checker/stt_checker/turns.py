@@ -73,7 +73,7 @@ class Turns:
             raise Unusable("the task has a period of an axis that is not above 0")
         self.drifts, self.farthest_image = {i: drift(v) for i, v in self.periods.items()}, 0
         self.steps = dict[int, Fraction]()  # an angle must move by less than this between two samples
-        self.unwrap_noise = Fraction(0)
+        self.unwrap_noise = [Fraction(0)] * task.n
         by, error = [Fraction(0)] * task.n, [Fraction(0)] * task.n
         for i, period in self.periods.items():
             k = self._nearest_turn(i, period)
@@ -142,7 +142,7 @@ class Turns:
                     images.append(obstacle.image(name + "".join(f"{k:+d}" for k in turns), by))
                     margin = max([margin, *(abs(k) * self.drifts[i] for i, k in zip(closed, turns, strict=True))])
                     self.farthest_image = max(self.farthest_image, *map(abs, turns))
-        task.clearance += margin
+        task.clearance = [v + margin for v in task.clearance]
         return sets + images
 
     def _images(self, i: int, obstacle: Obstacle, table: Any) -> list[int]:
@@ -161,7 +161,7 @@ class Turns:
                 raise Unusable("the task has half-spaces that leave a set empty, or open in an axis that closes")
         by = [number(v["by"][column]) for v in table.get("motion", [])] or [Fraction(0)]
         grown = number(table.get("spread", 0)) * (task.t_c + obstacle.timing + task.start_delay)
-        reach = task.clearance + extent + task.body[i] + obstacle.radius + grown + period / 8
+        reach = task.clearance[i] + extent + task.body[i] + obstacle.radius + grown + period / 8
         first = math.ceil((lower[i] - reach - max(p[i] for p in ends) - max(by)) / period)
         last = math.floor((upper[i] + reach - min(p[i] for p in ends) - min(by)) / period)
         if last - first > IMAGE_LIMIT:
@@ -171,18 +171,18 @@ class Turns:
     def add_noise(self, bits: int) -> None:
         """Add to the noise of a measured x what unwrapping is wrong by, for a scalar of so many bits."""
         task, largest = self.task, Fraction(0)
-        noise = (task.plant["noise"] or [Fraction(0)])[0]
         for i, period in self.periods.items():
             turns = self.turns[i]
             error = turns * self.drifts[i] + period * (3 * turns + 3) / (1 << bits)
             error = math.ceil(error / NOISE_UNIT) * NOISE_UNIT
-            self.steps[i], largest = period / 2 - 2 * (noise + error) - 4 * error, max(largest, error)
+            self.steps[i], largest = period / 2 - 2 * (task.noise(i)[0] + error) - 4 * error, max(largest, error)
             first = max(task.state[i] - task.start[0][i], task.start[1][i] - task.state[i])
             if max(turns, self.farthest_image) > TURN_LIMIT or first >= self.steps[i]:
                 raise Unusable("the task has starts, turns or noise with which a measured angle is on no known turn")
-        self.unwrap_noise = noise + largest
+        self.unwrap_noise = [task.noise(i)[0] + largest for i in range(task.n)]
         if task.period is not None:
-            task.plant["noise"], task.stated["noise"] = [self.unwrap_noise] * task.n, str(self.unwrap_noise)
+            is_list, stated = isinstance(task.stated["noise"], list), [str(v) for v in self.unwrap_noise]
+            task.plant["noise"], task.stated["noise"] = self.unwrap_noise, stated if is_list else stated[0]
 
     def prove_steps(self, tube: Any, u: list[Fraction], filters: list[Fraction]) -> None:
         """P9: between two samples an angle moves by less than unwrapping allows. It moves by no more than the tube's width and

@@ -280,6 +280,6 @@ def _bends_of(task: Task, arena: Arena, inner: InRegion) -> Array:
     """Return where a shortest way around a region may bend, as points in the arena's units and signs: (2, V, n)."""
     region = task.regions[inner.region]
     assert isinstance(region, Unsafe)
-    convex = region.to_set_in(task.state_space, task.axis_indices(region)).grown(task.half_extents)
+    convex = region.to_set_in(task.state_space, task.axis_indices(region)).grown(task.half_extents).grown(task.clearance_excess)
     points = [[float(v - o) / arena.length_unit for v, o in zip(p, arena.origin, strict=True)] for p, _ in convex.route_corners]
     return np.array([points, [list(map(float, signs)) for _, signs in convex.route_corners]])

@@ -77,7 +77,7 @@ def design_adaptive(task: Task) -> AdaptiveDesign:
             ConflictProblem(
                 times=model.times,
                 unsafe=model.unsafe,
-                min_width=arena.min_width,
+                min_widths=arena.min_widths,
                 edges=model.edges,
                 is_possible=model.is_possible,
                 tries_holds=settings.tries_holds,
@@ -169,7 +169,7 @@ class _Model:
         beyond = self.arena.clearance + s.overshoot
         edge = self.arena.unsafe[push.unsafe, 1 if push.above else 0, i]
         height = edge - floor + beyond if push.above else ceiling - edge + beyond
-        if height > ceiling - floor - self.arena.min_width - 2 * math.log(4) / s.nu:
+        if height > ceiling - floor - float(self.arena.min_widths[i]) - 2 * math.log(4) / s.nu:
             return None
         middle, half = (push.begin + push.end) / 2, max((push.end - push.begin) / 2, t_c / 50)
         radius = min(half + s.ramp, middle, t_c - middle)

@@ -47,13 +47,13 @@ class ConflictProblem:
     """What the search needs to know.
 
     times: of the grid, (N + 1,). unsafe: the sets grown by the clearance, (J, 2, n). edges: the tube of a dimension under pushes,
-    (2, N + 1). is_possible: whether a push can be made at all. tries_holds: whether to branch on holding a dimension back too,
-    which is slower. node_limit: how many nodes to evaluate.
+    (2, N + 1). min_widths: by dimension, (n,). is_possible: whether a push can be made at all. tries_holds: whether to branch on
+    holding a dimension back too, which is slower. node_limit: how many nodes to evaluate.
     """
 
     times: Array
     unsafe: Array
-    min_width: float
+    min_widths: Array
     edges: Callable[[int, Pushes], Array]
     is_possible: Callable[[Push], bool]
     tries_holds: bool
@@ -89,7 +89,7 @@ def search_pushes(problem: ConflictProblem) -> Pushes | None:
             return None
         _, _, pushes = heapq.heappop(queue)
         tube = np.stack([edges(i, pushes) for i in range(n)], axis=2)  # (2, N + 1, n)
-        if (tube[1] - tube[0]).min() < problem.min_width:
+        if (tube[1] - tube[0] < problem.min_widths).any():
             continue
         conflict = _earliest_conflict(problem, tube)
         if conflict is None:

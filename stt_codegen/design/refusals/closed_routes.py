@@ -45,7 +45,7 @@ def explain_closed_routes(arena: Arena, segments: int) -> Reason:
 def _narrowest_start(arena: Arena) -> tuple[Array, Array]:
     """Return the centre of gamma(0) and the minimum width, (n,) each."""
     box = starting_box(arena)
-    return (box[0] + box[1]) / 2, np.full(arena.dimension, arena.min_width)
+    return (box[0] + box[1]) / 2, arena.min_widths
 
 
 def _describe_closing(arena: Arena, obstacle: TimedObstacle, searched: Sequence[SliceSearch]) -> str | None:

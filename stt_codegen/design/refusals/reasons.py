@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-import numpy as np
-
 from stt_codegen.decimals import by_component
 from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.refusals.closed_routes import explain_closed_routes
@@ -36,7 +34,7 @@ def explain_refusal(task: Task, arena: Arena, has_tube: HasTube) -> Reason:
     if arena.timed_obstacles:
         resting = replace(arena, timed_obstacles=())
         # the sets that do not move may close every route by themselves: this raises then
-        shortest_route(resting, starting_box(arena), np.full(arena.dimension, arena.min_width))
+        shortest_route(resting, starting_box(arena), arena.min_widths)
         return explain_closed_routes(arena, segment_counts_of(task, arena)[0])
     segment_counts = segment_counts_of(task, arena)
     count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {segment_counts[-1]} segments"

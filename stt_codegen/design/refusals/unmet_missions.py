@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from stt_codegen.decimals import decimal
+from stt_codegen.decimals import by_component
 from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.mission_search import MissionSearch, search_of
 from stt_codegen.design.missions import Mission, Waypoints, describe_conflict, mission_of
@@ -27,7 +27,7 @@ def explain_unmet_mission(task: Task, arena: Arena) -> Reason:
     mission = mission_of(task, arena)
     assert mission is not None
     search = search_of(arena, starting_box(arena), segment_counts_of(task, arena), mission)
-    width = f"a tube of width {decimal(task.tube.min_width)}"
+    width = f"a tube of width {by_component(task.min_widths)}"
     state = _unreachable_state(search, mission)
     if state is not None:
         problem = f"no place was found in {state} for {width} that is clear of the unsafe sets"

@@ -171,13 +171,14 @@ def _explain_blocked_route(arena: Arena, centre: Array) -> Reason:
     is_final = search_finds_every_route(arena) or (arena.has_only_boxes and has_few_cells(len(arena.names), arena.dimension))
     verb = "leads" if is_final else "was found"
     problem = f"{Property.AVOID.label}: no way {verb} from the initial set to the target set between the unsafe sets"
-    if not has_route(smallest_clearance, smallest_width):
+    if not arena.clearance_excess.any() and not has_route(smallest_clearance, smallest_width):
         has_few_sets = len(arena.names) <= NAMED_SET_LIMIT
         blocking = [n for j, n in enumerate(arena.names) if has_few_sets and has_route(smallest_clearance, smallest_width, j)]
         remove = f"without {' or '.join(blocking)} there would be one" if blocking else "remove or shrink an unsafe set"
         whatever = f"{problem}, whatever the clearance; {remove}, or enlarge the state space"
         return Reason(whatever, codes=(Property.AVOID.code,), has_remedy=False)
-    width = (arena.min_width - 2 * arena.allowance) * arena.length_unit
-    clearance = (arena.clearance - arena.allowance) * arena.length_unit
-    wanted_tube = f"for a tube of width {width:.6g} with a clearance of {clearance:.6g}"
+    widths = [f"{v:.6g}" for v in (arena.min_widths - 2 * arena.allowance) * arena.length_unit]
+    clearances = [f"{v:.6g}" for v in (arena.clearance - arena.allowance + arena.clearance_excess) * arena.length_unit]
+    width, clearance = (v[0] if len(set(v)) == 1 else f"[{', '.join(v)}]" for v in (widths, clearances))
+    wanted_tube = f"for a tube of width {width} with a clearance of {clearance}"
     return Reason(f"{problem} {wanted_tube}", Property.AVOID.advice, codes=(Property.AVOID.code,))

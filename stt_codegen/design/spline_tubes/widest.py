@@ -65,7 +65,7 @@ class TubeSearch:
     def width(self, share: float) -> Array:
         """Return the width of a share, (n,)."""
         full = np.minimum(self.start[1] - self.start[0], self.arena.target[1] - self.arena.target[0])
-        return np.asarray(np.maximum(share * full, self.arena.min_width))
+        return np.asarray(np.maximum(share * full, self.arena.min_widths))
 
     def peak_speed_limit(self, segments: int) -> float:
         """Return the largest peak speed that max_speed allows, less what rounding the control points may add.
@@ -90,7 +90,7 @@ class TubeSearch:
     @property
     def shortest_distance(self) -> float:
         """How far the centre must go at least, in the largest component: no tube is slower."""
-        half, centre, target = self.arena.min_width / 2, (self.start[0] + self.start[1]) / 2, self.arena.target
+        half, centre, target = self.arena.min_widths / 2, (self.start[0] + self.start[1]) / 2, self.arena.target
         apart = np.maximum(np.maximum(target[0] + half - centre, centre - target[1] + half), 0)
         return float(self.arena.distance(apart[None])[0])
 

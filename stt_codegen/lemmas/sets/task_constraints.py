@@ -49,12 +49,12 @@ def _slack_differences(name: str, computed: Sequence[constraints.Constraint], ex
 
 def _symbolic_task() -> Any:
     """Return a task of N components in which everything that plain constraints depend on is a symbol."""
-    width = sp.Symbol("width", positive=True)
+    widths = sp.symbols(f"width1:{N + 1}", positive=True)
     speed, acceleration = (sp.symbols(f"{name}1:{N + 1}", positive=True) for name in ("fast", "bend"))
     start, space, target = (_box(name) for name in ("start", "space", "target"))
     return SimpleNamespace(
         dimension=N,
-        tube=SimpleNamespace(min_width=EvaluatedExpression(width, 0.25)),
+        min_widths=tuple(EvaluatedExpression(width, 0.25) for width in widths),
         initial_state=tuple(sp.Symbol(f"x{i + 1}", real=True) for i in range(N)),
         start=start,
         free_space=space,
@@ -81,7 +81,7 @@ def _prove_plain() -> Outcome:
     initial_state, start = constraints.initial_state_constraints(task), constraints.start_constraints(task)
     stay, reach = constraints.stay_constraints(task), constraints.reach_constraints(task)
     rates = (constraints.speed_constraints(task), constraints.acceleration_constraints(task))
-    differences = _slack_differences("P1 width", width, [high[i] - low[i] - task.tube.min_width.expression for i in range(N)])
+    differences = _slack_differences("P1 width", width, [high[i] - low[i] - task.min_widths[i].expression for i in range(N)])
     differences |= _slack_differences("P2 x(0)", initial_state, [v for i in range(N) for v in (x[i] - low[i], high[i] - x[i])])
     differences |= _slack_differences("P2 start", start, inside(task.start))
     differences |= _slack_differences(Property.STAY.code, stay, inside(task.free_space))
@@ -108,7 +108,7 @@ def _unit_failures(of_edges: dict[Property, Sequence[constraints.Constraint]], r
 
 def _default_failures(task: Any) -> list[str]:
     """Change the task to a smaller width than the package allows, without rates; list constraints that are not those of that."""
-    task.tube, task.max_speed, task.max_acceleration = SimpleNamespace(min_width=NARROWEST_WIDTH / 2), None, None
+    task.min_widths, task.max_speed, task.max_acceleration = (NARROWEST_WIDTH / 2,) * N, None, None
     failures = [f"P1: {c.bound}" for c in constraints.width_constraints(task) if c.bound != NARROWEST_WIDTH]
     has_rates = constraints.speed_constraints(task) or constraints.acceleration_constraints(task)
     return failures + (["P6 without a bound"] if has_rates else [])
@@ -123,29 +123,34 @@ def _normals() -> Iterator[tuple[Any, ...]]:
 
 
 def _prove_apart() -> Outcome:
-    """Prove that the slack of a separation constraint over |n|_1 is a distance beyond the clearance.
+    """Prove that the slack of a separation constraint over |n|_1 is a distance beyond the clearance of some component.
 
-    For y = L + s (R - L) in the tube's box and p with n.p <= h(n), n.(y - p) is at least the constraint's slack and |n|_1
-    clearance; and |n.(y - p)| <= |n|_1 max|y - p|, by component.
+    For y = L + s (R - L) in the tube's box and p with n.p <= h(n), n.(y - p) is at least the constraint's slack and the sum of
+    |n_i| c_i, c_i the clearance of component i. Were every |y_i - p_i| below c_i + slack/|n|_1, by d_i, then n.(y - p), at most
+    the sum of |n_i| |y_i - p_i|, would be less than that, by the sum of |n_i| d_i.
     """
     differences: dict[str, Any] = {}
     positive_parts: dict[str, Any] = {}
     failures: list[str] = []
-    h, clearance, z = sp.Symbol("h", real=True), sp.Symbol("clearance", positive=True), sp.symbols("z1:4", positive=True)
+    (h, surplus), z = sp.symbols("h surplus", real=True), sp.symbols("z1:4", positive=True)
+    clearances, missing = (sp.symbols(f"{name}1:{N + 1}", positive=True) for name in ("clearance", "missing"))
     shares = [v / (1 + v) for v in z]  # from 0 to 1
     widths = sp.symbols("width1:4", positive=True)
     normals = list(_normals())
     for normal in normals:
         unsafe_set: Any = SimpleNamespace(faces=((normal, h),))
-        (constraint,) = constraints.separation_constraints(unsafe_set, clearance)
-        size = sum(map(abs, normal))
+        (constraint,) = constraints.separation_constraints(unsafe_set, clearances)
+        size, needed = sum(map(abs, normal)), sum(abs(c) * v for c, v in zip(normal, clearances, strict=True))
+        nearer = [v + surplus / size - d for v, d in zip(clearances, missing, strict=True)]  # |y_i - p_i|
+        shortfall = needed + surplus - sum(abs(c) * v for c, v in zip(normal, nearer, strict=True))
         smallest_product = sum(c * EDGE[i, side] for i, side, c in constraint.terms)
         point = [EDGE[i, LOWER] + shares[i] * widths[i] for i in range(N)]
         smallest_in_box = smallest_product.subs({EDGE[i, UPPER]: EDGE[i, LOWER] + widths[i] for i in range(N)})
         difference = sum(c * v for c, v in zip(normal, point, strict=True)) - smallest_in_box
         differences |= {
             f"{normal}: bound": constraint.bound - h,
-            f"{normal}: clearance": sp.expand(constraint.clearance - size * clearance),
+            f"{normal}: clearance": sp.expand(constraint.clearance - needed),
+            f"{normal}: shortfall": sp.simplify(shortfall - sum(abs(c) * d for c, d in zip(normal, missing, strict=True))),
             f"{normal}: per": sp.expand(constraint.slack_per_distance - size),
             f"{normal}: size": sp.expand(constraint.size - size),
         }
@@ -155,12 +160,11 @@ def _prove_apart() -> Outcome:
         differences[f"{normal}: n.y less low_n less its parts"] = sp.cancel(sp.together(difference - sum(positive_terms)))
         positive_parts[f"{normal}: n.y - low_n"] = sp.together(sum(sp.together(v) for v in positive_terms))
     unsafe_set = SimpleNamespace(faces=(((1, 0, 0), h), ((0, -2, 3), h)))
-    unit, slanted = constraints.separation_constraints(unsafe_set, clearance)
-    differences |= {"a normal of size 1": unit.clearance - clearance, "a slanted one": slanted.clearance - 5 * clearance}
+    unit, slanted = constraints.separation_constraints(unsafe_set, clearances)
+    of_slanted = 2 * clearances[1] + 3 * clearances[2]
+    differences |= {"a normal of size 1": unit.clearance - clearances[0], "a slanted one": slanted.clearance - of_slanted}
     failures += [f"needed {r.distance_error}" for r in (unit, slanted) if r.distance_error != 1]
-    task: Any = SimpleNamespace(
-        obstacles=(unsafe_set, unsafe_set), courses=(None, None), tube=SimpleNamespace(clearance=clearance)
-    )
+    task: Any = SimpleNamespace(obstacles=(unsafe_set, unsafe_set), courses=(None, None), clearances=clearances)
     unsafe_set.name = "a set"
     avoidances = constraints.avoidances(task)
     failures += [f"{a}" for a in avoidances if (a.name, a.alternatives) != ("a set", (unit, slanted))] + ["a set is missing"] * (
@@ -384,7 +388,7 @@ LEMMAS = (
         "rows.plain",
         "The rows of P1, P2, P3, P5 and P6 are: least width, x(0) and the start set, state space, target, bounds on both edges' "
         "rates and accelerations.",
-        r"R_i - L_i \ge w,\quad L_i \ge \underline s_i,\ R_i \le \overline s_i,\quad |\dot E_i| \le v_i,\ |\ddot E_i| \le a_i",
+        r"R_i - L_i \ge w_i,\quad L_i \ge \underline s_i,\ R_i \le \overline s_i,\quad |\dot E_i| \le v_i,\ |\ddot E_i| \le a_i",
         (),
         "the evaluated code",
         _prove_plain,
@@ -399,9 +403,9 @@ LEMMAS = (
     ),
     Lemma(
         "rows.apart",
-        "Where one row of a set holds, the tube's box is farther than the clearance from the set, by the slack over |n|_1, in "
-        "the largest component.",
-        r"\mathrm{low}_n(B) \ge h(n) + |n|_1 c \Rightarrow \|y - p\|_\infty \ge c",
+        "Where one row of a set holds, the tube's box is farther from the set than the clearance of some component, in that "
+        "component, by the slack over |n|_1.",
+        r"\mathrm{low}_n(B) \ge h(n) + \sum |n_i| c_i \Rightarrow \exists i: |y_i - p_i| \ge c_i",
         ("y in the box, n.p <= h(n)",),
         "the evaluated code, Hoelder's inequality",
         _prove_apart,

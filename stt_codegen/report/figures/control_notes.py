@@ -59,11 +59,11 @@ def _gain_line(task: Task, loop: PathLoop) -> str:
     proved = f"{', '.join(first_parts)} and {last_part}" if first_parts else last_part
     line = f"gain {by_component(gain)}: rests within |e| {above(Fraction(resting_error), 2):g}"
     line += f", proved for {proved}" if is_proved else ""
-    if not (task.plant.noise or task.plant.noise_v):
+    if not task.has_noise:
         return line
     at_middle, at_rest = (_answer_to_noise(loop, e) for e in (0.0, resting_error))
-    measured = f"noise of {decimal(task.plant.noise or Fraction(0))}"
-    measured += f" (of v {decimal(task.plant.noise_v)})" if task.plant.noise_v else ""
+    measured = f"noise of {by_component(task.noise)}"
+    measured += f" (of v {by_component(task.noise_v)})" if any(task.noise_v) else ""
     return f"{line}; {measured} moves u by about {_rounded(at_middle)} in the middle of the tube, {_rounded(at_rest)} at that |e|"
 
 
@@ -117,7 +117,7 @@ def control_notes(task: Task, largest_u: float | None) -> Iterator[str]:
     for names, words in (("f_max or w_max", "f = w = 0"), ("g_min or g_max", "g = 1")):
         if all(getattr(task.plant, name) is None for name in names.split(" or ")) and not task.plant.exact:
             yield f"[plant] states no {names}: the proof is for {words} alone"
-    if not (task.as_stated.plant.noise or task.plant.noise_v or task.has_late_input):
+    if not (task.as_stated.has_noise or task.has_late_input):
         yield "[plant] has neither noise nor lag; no sensor is exact, and no drive is immediate"
 
 

@@ -18,6 +18,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from stt_codegen.arrays import one_if_equal
 from stt_codegen.decimals import by_component
 from stt_codegen.emit import adapter_source, driven_sources, plant_source
 from stt_codegen.pipeline import EmittedController, render_files
@@ -166,22 +167,24 @@ def drive_settings(
 
 class SliderNoise(NamedTuple):
     """The noise that the page's slider sets: errors of x up to x_ratio times its value, and errors of v up to v_ratio times its
-    value.
+    value. A ratio is one number, or one for each component.
 
     largest: the value of the slider up to which the noise is within [plant].
     """
 
     largest: float
-    x_ratio: float
-    v_ratio: float
+    x_ratio: float | tuple[float, ...]
+    v_ratio: float | tuple[float, ...]
 
 
 def slider_noise(task: Task) -> SliderNoise:
     """Return the noise of the page's slider, which is noise of x unless [plant] states noise of v alone."""
-    noise, noise_v = float(task.plant.noise or 0), float(task.plant.noise_v or 0)
-    if noise:
-        return SliderNoise(noise, 1.0, noise_v / noise)
-    return SliderNoise(noise_v, 0.0, 1.0) if noise_v else SliderNoise(0.0, 1.0, 1.0)
+    noise, noise_v = ([float(v) for v in values] for values in (task.noise, task.noise_v))
+    largest = max(noise) or max(noise_v)
+    if not largest:
+        return SliderNoise(0.0, 1.0, 1.0)
+    x_ratio, v_ratio = (one_if_equal(tuple(v / largest for v in values)) for values in (noise, noise_v))
+    return SliderNoise(largest, x_ratio, v_ratio)
 
 
 def first_period(controller: EmittedController, proved_period: ProvedPeriod | None) -> float:

@@ -22,7 +22,7 @@ from stt_codegen.certify import Finding
 from stt_codegen.certify.sampled import drive_words
 from stt_codegen.checker import archive
 from stt_codegen.compare import ComparisonRow, compare_backend
-from stt_codegen.decimals import decimal
+from stt_codegen.decimals import by_component, by_dimension, decimal
 from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.emit import selftest_name, spelled_name
 from stt_codegen.errors import SttError
@@ -166,8 +166,8 @@ def requirement_of(controller: EmittedController, finding: Finding) -> str:
     """Return the requirement of the task that a property is about, as a sentence."""
     task = controller.task
     texts = {
-        Property.WIDTH: f"The tube is nowhere narrower than tube.min_width = {decimal(task.tube.min_width)}.",
-        Property.AVOID: f"The tube keeps {decimal(task.tube.clearance)} from each of {len(task.unsafe)} unsafe sets.",
+        Property.WIDTH: f"The tube is nowhere narrower than tube.min_width = {by_component(task.min_widths)}.",
+        Property.AVOID: f"The tube keeps {by_dimension(task.clearances)} from each of {len(task.unsafe)} unsafe sets.",
         Property.ARITHMETIC: f"All this holds in {controller.program.scalar} arithmetic.",
         Property.PERIOD: f"control.period = {decimal(task.control.period or Fraction(0))} s is short enough.",
     }
@@ -317,7 +317,7 @@ def _unproved_of_the_plant(controller: EmittedController) -> Iterator[str]:
     else:
         yield f"That there is no {'inertia or ' if task.order == 1 else ''}lag between u and what it moves."
     yield "That what you measure is the state" + (
-        f", to {decimal(task.plant.noise)} at most." if task.plant.noise else ", without an error."
+        f", to {by_dimension(task.noise)} at most." if any(task.noise) else ", without an error."
     )
     if controller.design.is_stateful:
         yield "That alpha begins with alpha_init at t = 0 and is stepped within the steps that the certificate names."

@@ -13,7 +13,7 @@ from typing import Any
 from stt_codegen import __version__
 from stt_codegen.certify import Certificate, Finding
 from stt_codegen.certify.missions import describe_visit
-from stt_codegen.decimals import by_component, decimal
+from stt_codegen.decimals import by_component, by_dimension, decimal
 from stt_codegen.emit import notice
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
@@ -100,7 +100,7 @@ def summary(controller: EmittedController) -> Summary:
     task, certificate = controller.task, controller.certificate
     sets, entries = len(task.unsafe), len(task.mission)
     requirement = "within state_space"
-    requirement += f", {decimal(task.tube.clearance)} off {sets} unsafe {'set' if sets == 1 else 'sets'}" if sets else ""
+    requirement += f", {by_dimension(task.clearances)} off {sets} unsafe {'set' if sets == 1 else 'sets'}" if sets else ""
     if task.target_set is not None:
         requirement = f"from initial_set to target_set in {decimal(task.prescribed_time)} s, {requirement}"
     requirement += f"; {entries} {'entry' if entries == 1 else 'entries'} of a mission" if entries else ""
@@ -117,7 +117,7 @@ def _assumptions(task: Task, certificate: Certificate, calls_library: bool) -> s
     names = [f"no inertia (plant.order = 1) and {lag}" if task.order == 1 else lag]
     stated = "the bounds of [plant]" if task.plant.is_stated else "a plant as Theorem 4.1 has it"
     names.append(f"a plant of which the task says nothing: {assumed_words(task)}" if task.assumes_plant else stated)
-    names.append("what is measured is the state" + (f" to {decimal(task.plant.noise)}" if task.plant.noise else ""))
+    names.append("what is measured is the state" + (f" to {by_dimension(task.noise)}" if any(task.noise) else ""))
     proved_properties = {finding.subject for finding in certificate.findings if finding.holds}
     proved_sampling = f"samples as {Property.PERIOD.label} has them"
     names.append("sampling fast enough" if certificate.proved_period is None else proved_sampling)

@@ -86,8 +86,8 @@ def _full_length_fields(task: TaskTables) -> list[tuple[str, Sized]]:
         fields.append(("body", task.body))
     options: tuple[tuple[str, TomlTable, tuple[str, ...]], ...] = (
         ("control", task.control, ("gain", "e_max", "u_max")),
-        ("tube", task.tube, ("max_speed", "max_acceleration", "filter")),
-        ("plant", task.plant, (*PLANT_BOUNDS, *DRIVE_BOUNDS)),
+        ("tube", task.tube, ("clearance", "min_width", "max_speed", "max_acceleration", "filter")),
+        ("plant", task.plant, (*PLANT_BOUNDS, *DRIVE_BOUNDS, "noise", "noise_v")),
         ("initial_set", task.initial_set, ("speed",)),
     )
     for title, table, names in options:

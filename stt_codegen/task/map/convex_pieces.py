@@ -95,12 +95,12 @@ def require_cover(chart: OccupancyMap, lower: Sequence[Fraction], upper: Sequenc
                 )
 
 
-def window_near(chart: OccupancyMap, lower: Sequence[Fraction], upper: Sequence[Fraction], reach: Fraction) -> Window:
-    """Return the window of cells that are within `reach` of a box in the maximum norm; it may be empty."""
+def window_near(chart: OccupancyMap, lower: Sequence[Fraction], upper: Sequence[Fraction], reach: Sequence[Fraction]) -> Window:
+    """Return the window of cells that are within `reach` of a box, by axis; it may be empty."""
     ranges = []
     for i in (0, 1):
-        first = (lower[i] - reach - chart.origin[i]) // chart.resolution
-        last = -((chart.origin[i] - upper[i] - reach) // chart.resolution)
+        first = (lower[i] - reach[i] - chart.origin[i]) // chart.resolution
+        last = -((chart.origin[i] - upper[i] - reach[i]) // chart.resolution)
         ranges.append(slice(max(int(first) - 1, 0), max(int(last) + 1, 0)))  # a cell that only touches counts too
     return ranges[0], ranges[1]
 

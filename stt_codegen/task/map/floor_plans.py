@@ -64,7 +64,7 @@ def expand_outline(task: TaskTables) -> tuple[dict[str, Any], FloorPlan]:
     box = _box_corners(scaled[0])
     pieces = [[tuple(Fraction(v, scale) for v in p) for p in piece] for piece in partition(scaled[0], scaled[1:])]
     lower, upper = _edges(task, space, axes, [[Fraction(v, scale) for v in corner] for corner in box])
-    nearby = [p for p in pieces if _is_near(p, axes, lower, upper, reach=task.tube.clearance)]
+    nearby = [p for p in pieces if _is_near(p, axes, lower, upper, reach=_clearances(task, n))]
     tables = _wall_tables(task, nearby, axes if axes != (0, 1) or n > PLANE else None)
     fields = {name: getattr(task, name) for name in task.model_fields_set}
     fields |= {"state_space": {"lower": lower, "upper": upper}, "unsafe": [*task.unsafe, *tables]}
@@ -72,6 +72,16 @@ def expand_outline(task: TaskTables) -> tuple[dict[str, Any], FloorPlan]:
         tuple(p for _, p in outline), tuple(tuple(p for _, p in hole) for hole in holes), axes, tuple(t["name"] for t in tables)
     )
     return fields, floor_plan
+
+
+def _clearances(task: TaskTables, n: int) -> tuple[Fraction, ...]:
+    """Return the clearance by dimension. Raises `BadInput` for a list of another length: its task was not checked yet."""
+    clearance = task.tube.clearance
+    if not isinstance(clearance, tuple):
+        return (clearance,) * n
+    if len(clearance) != n:
+        raise BadInput(f"tube.clearance: has {len(clearance)} entries; initial_state has {n}, and all must agree")
+    return clearance
 
 
 def name_walls(problem: str, first: int, floor_plan: FloorPlan) -> str:
@@ -236,11 +246,11 @@ def _edges(
 
 
 def _is_near(
-    piece: Sequence[Vector], axes: tuple[int, int], lower: Sequence[Fraction], upper: Sequence[Fraction], *, reach: Fraction
+    piece: Sequence[Vector], axes: tuple[int, int], lower: Sequence[Fraction], upper: Sequence[Fraction], *, reach: Vector
 ) -> bool:
-    """Whether the box around a piece is within `reach` of the state space, touching included."""
+    """Whether the box around a piece is within `reach` of the state space, by dimension, touching included."""
     spans = [(min(p[k] for p in piece), max(p[k] for p in piece)) for k in (0, 1)]
-    return all(a <= upper[i] + reach and lower[i] - reach <= b for (a, b), i in zip(spans, axes, strict=True))
+    return all(a <= upper[i] + reach[i] and lower[i] - reach[i] <= b for (a, b), i in zip(spans, axes, strict=True))
 
 
 def _wall_tables(

@@ -105,7 +105,7 @@ def expand_maps(document: dict[str, Any], task: TaskTables, folder: Path) -> Exp
         chart = read_map(folder / file, table.free_rule)
         if number == 1:
             require_cover(chart, lower, upper, names)
-        window = window_near(chart, lower, upper, task.tube.clearance)
+        window = window_near(chart, lower, upper, [task.clearances[i] for i in indices])
         pieces = cover_cells(unsafe_cells_in(chart, window), table.kind)
         tables += unsafe_tables(chart, pieces, axes, "map " if len(table.files) == 1 else f"map {number}.")
         notes += [note for note in (chart.grey_note(window),) if note]
