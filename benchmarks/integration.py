@@ -92,6 +92,8 @@ TESTS = (*PACKAGE, *SHIPPED, "pyproject.toml", "tests/__init__.py", "tests/conft
 ARM = ("arm-none-eabi-gcc", "qemu-system-arm")
 RISC_V = ("riscv64-unknown-elf-gcc", "qemu-system-riscv32")
 AVR = ("avr-gcc", "simavr")
+LINUX = ("aarch64", "riscv64", "s390x", "powerpc", "mips")  # processors whose programs QEMU runs here
+CROSS = (*(f"{name}-linux-gnu-gcc" for name in LINUX), "qemu-x86_64", "qemu-s390x")
 CHECKED = ("tests/certify", "docs/certificate-format.md", "benchmarks/token_mutants.py")
 SETS = ("tests/task",)
 
@@ -354,6 +356,10 @@ JOBS = (
     script(
         "sketches", "On a simulated Uno the tube is where the clock is, and steps take what `generate` estimates.", 3,
         "benchmarks/sketch_time.py", ("benchmarks/fixed.py", *PACKAGE), tools=AVR,
+    ),
+    script(
+        "toolchains", "Compilers neither warn nor fuse a product and a sum, and self-tests pass, also where big-endian.", 10,
+        "benchmarks/toolchains.py", ("benchmarks/compilers", *PACKAGE), tools=("gcc", "clang", *CROSS, *ARM, *RISC_V, *AVR),
     ),
     # proofs
     script(

@@ -16,16 +16,12 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.compilers.builds import FUSED
 from stt_codegen.pipeline import EmittedController
 from tests.support.controllers import ROOT, build_once, controller_of
 from tests.support.listings.tasks import TASKS_OF_FILES, build
 from tests.support.missing_tools import skip_without
 
-# Instructions, and calls of the library, that round a * b + c once. vmla and fmacs of ARM round twice.
-FUSED = re.compile(
-    r"^\s+(?:vfn?m[as](?:\.\w+)?|vfn?m(?:add|sub)(?:addsub)?\d*[sp][sd]|fn?m(?:add|sub)(?:\.[sd])?|fml[as])\s|\b__builtin_fmaf?\b|\bfmaf?\b",
-    re.MULTILINE,
-)
 STM32 = "-Os -mthumb -mfloat-abi=hard -ffunction-sections -fdata-sections --param max-inline-insns-single=500"
 HEADERS = {  # for a compiler without a C library: what the files need to know of it
     "math.h": '#define NAN __builtin_nanf("")\n#define isfinite(v) __builtin_isfinite(v)\nfloat logf(float v); double log(double v);\n',
@@ -157,6 +153,10 @@ def test_link_time_optimization_keeps_products_and_sums_apart(tool, tmp_path: Pa
         ("\tvfmadd231ss\t%xmm0, %xmm1, %xmm2\n\tvfnmsub132sd\t%xmm0, %xmm1, %xmm2\n\tvfmadd213ps\t%ymm0, %ymm1, %ymm2\n", 3),
         ("\tfmadd.s\tfa5,fa4,fa3,fa2\n\tfnmsub.d\tfa5,fa4,fa3,fa2\n\tfmadd\ts0, s1, s2, s3\n\tfmla\tv0.4s, v1.4s, v2.4s\n", 4),
         ("\tcall\tfmaf\n", 1),
+        ("\tmaebr\t%f0,%f2,%f4\n\tmsdb\t%f0,%f2,0(%r1)\n\twfmasb\t%f0,%f2,%f4,%f6\n\tvfnmsdb\t%v0,%v2,%v4,%v6\n", 4),
+        ("\tfmadds\tf0,f1,f2,f3\n\tfnmsub\tf0,f1,f2,f3\n\tmadd.s\t$f0,$f2,$f4,$f6\n\tnmsub.d\t$f0,$f2,$f4,$f6\n", 4),
+        ("  4c:\tvfma.f32\ts15, s14, s13\n\t\t\t60: R_ARM_THM_CALL\tfmaf\n", 2),
+        ("\tvfmsb\t%v0,%v2,%v4\n\tmeebr\t%f0,%f2\n\tmadd\tx0, x1, x2, x3\n\tmdebr\t%f0,%f2\n", 0),
         ("\tvmla.f32\ts15, s14, s13\n\tvmul.f32\ts1, s2, s3\n\tvadd.f32\ts1, s2, s3\n\tmulss\t%xmm0, %xmm1\n", 0),
     ],
 )
