@@ -31,7 +31,6 @@ from stt_codegen.task.sets import (
 )
 from stt_codegen.task.values import ADD_IT
 
-
 DEVICES = frozenset(["con", "prn", "aux", "nul", *(f"{port}{k}" for port in ("com", "lpt") for k in range(10))])  # of Windows
 
 
