@@ -304,6 +304,10 @@ JOBS = (
         "benchmarks/refusals.py --count 27", (*PACKAGE, "benchmarks/moving.py"),
     ),
     script(
+        "nasty", "A malformed or oversized input gets its message, soon and in little memory, and nothing is half-written.", 8,
+        "benchmarks/nasty.py --count 1000 --seed {seed}", (*PACKAGE, *SHIPPED), seed=54,
+    ),
+    script(
         "tubes", "Arenas with a way have a tube, and no setting has a tube that is wider and no faster.", 3,
         "benchmarks/tubes.py --count 60 --others 60", PACKAGE,
     ),

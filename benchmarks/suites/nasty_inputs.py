@@ -29,15 +29,19 @@ Files = dict[str, bytes]
 # Texts that stand in for a token of any text format.
 TOKENS: tuple[str, ...] = (
     "", "nan", "-inf", "1e999999999", "-1e-999999999", "9" * 4000, "9" * 200_000, "0x" + "f" * 300, "0" * 5000 + "1",
-    "-0.0", "1_0", "true", "null", "[]", "{}", "[[[[]]]]", '""', "''", '"""', "'''", "#", "\\", "\0", "\r", "\t", "\u202e", "\ufeff",
-    "é", "𝟙", "½", "٣", "../../../../etc/passwd", "/dev/zero", "/dev/full", "$(id)", "`id`", "*/", "<script>", "%s%n", "{{7*7}}", "a.b",
-    "=", ",", "1979-05-27T07:32:00Z", "auto", "*a", "&a", "!!python/object/apply:os.system", "1/0", "1/3", "0x1p3", "-", "+1", ".5",
+    "-0.0", "1_0", "true", "null", "[]", "{}", "[[[[]]]]", '""', "''", '"""', "'''", "#", "\\", "\0", "\r", "\t", "\u202e",
+    "\ufeff",
+    "é", "𝟙", "½", "٣", "../../../../etc/passwd", "/dev/zero", "/dev/full", "$(id)", "`id`", "*/", "<script>", "%s%n",
+    "{{7*7}}", "a.b",
+    "=", ",", "1979-05-27T07:32:00Z", "auto", "*a", "&a", "!!python/object/apply:os.system", "1/0", "1/3", "0x1p3", "-",
+    "+1", ".5",
 )  # fmt: skip
 
 # Values that stand in for a value of TOML or JSON.
 VALUES: tuple[Any, ...] = (
     0, -1, 1, 2**63, -(2**64), 10**300, Decimal("1e-300"), Decimal("0.1"), Decimal("NaN"), Decimal("Infinity"),
-    Decimal("1e9"), Decimal("1e-9"), Decimal("1e10"), Decimal("0." + "3" * 60), True, False, "", "auto", "x", "a" * 100_000, "\0", "\n", "*/", "\u202e",
+    Decimal("1e9"), Decimal("1e-9"), Decimal("1e10"), Decimal("0." + "3" * 60), True, False, "", "auto", "x", "a" * 100_000,
+    "\0", "\n", "*/", "\u202e",
     "é", [], [[]], {}, {"a": 1}, [0], [0, 0], [0] * 3, [0] * 65, [0] * 10_000, [[0, 0]] * 5_000, ["x"], ["x", "x"], [{}],
     [{}] * 3_000,
     [Decimal("0.5"), Decimal("0.5")], [1, "x"], [True, False], "1", "1.0", "[0, 1]",
@@ -491,8 +495,10 @@ def option_case(rng: random.Random) -> Case:
     commands = (
         ("simulate", "--start"), ("simulate", "--gain"), ("simulate", "--rate"), ("simulate", "--axes"), ("simulate", "--plant"),
         ("simulate", "--noise"), ("simulate", "--latency"), ("simulate", "--lag"), ("simulate", "--w-max"),
-        ("simulate", "--seed"), ("simulate", "--disturbance"), ("simulate", "--clock"), ("design", "--picture"), ("design", "--axes"),
-        ("generate", "--out"), ("generate", "--record"), ("generate", "--package"), ("generate", "--scalar"), ("prove", "--plant"), ("prove", "--noise"),
+        ("simulate", "--seed"), ("simulate", "--disturbance"), ("simulate", "--clock"), ("design", "--picture"),
+        ("design", "--axes"),
+        ("generate", "--out"), ("generate", "--record"), ("generate", "--package"), ("generate", "--scalar"),
+        ("prove", "--plant"), ("prove", "--noise"),
         ("prove", "--out"), ("report", "--out"), ("design", "--effort"),
     )  # fmt: skip
     command, option = rng.choice(commands)

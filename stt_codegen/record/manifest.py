@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen import __version__
-from stt_codegen.errors import BadInput
+from stt_codegen.errors import BadInput, about
 from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, read_input, write_files
 from stt_codegen.pipeline import EmittedController, build
 
@@ -147,7 +147,8 @@ def build_again(root: Path, entry: RecordedFolder) -> EmittedController | None:
     """Build a recorded controller from its task file and options; None when its task file is gone."""
     if not (root / entry.task).exists():
         return None
-    return build(root / entry.task, entry.design, entry.scalar, entry.uncertified)
+    with about(f"{root / MANIFEST}: {entry.folder}"):
+        return build(root / entry.task, entry.design, entry.scalar, entry.uncertified)
 
 
 def folder_of(controller: EmittedController) -> str:

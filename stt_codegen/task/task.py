@@ -11,16 +11,17 @@ import json
 from collections.abc import Sequence
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ModelWrapValidatorHandler, PrivateAttr, ValidationError, model_validator
 
 from stt_codegen.decimals import exact_decimal
+from stt_codegen.design_kinds import DesignKind
 from stt_codegen.errors import BadInput
 from stt_codegen.task.checks import explain, first_problem, structure_problem
 from stt_codegen.task.closed_axes import ClosedAxis, SetImage, expand_turns, turns_problem
 from stt_codegen.task.map import FloorPlan, expand_outline, name_walls
-from stt_codegen.task.schema import ControlOptions, PlantBounds, TaskTables
+from stt_codegen.task.schema import ControlOptions, PlantBounds, Scalar, TaskTables
 from stt_codegen.task.sets import Unsafe
 from stt_codegen.task.values import ADD_IT
 
@@ -144,7 +145,10 @@ class Task(TaskTables):
     def with_options(self, design: str | None = None, scalar: str | None = None, language: str | None = None) -> Task:
         """Return the task with the options that the command line may override. language: one more language to print.
 
-        Raises `BadInput` where the other options do not fit to that design."""
+        Raises `BadInput` for an unknown design or scalar, and where the other options do not fit to that design."""
+        for field, value, names in (("tube.design", design, get_args(DesignKind)), ("emit.scalar", scalar, get_args(Scalar))):
+            if value is not None and value not in names:
+                raise BadInput(f"{field}: is {value!r:.40}; use one of {', '.join(names)}")
         stated = self.as_stated
         tube = stated.tube.model_copy(update={"design": design}) if design else stated.tube
         overrides = ({"scalar": scalar} if scalar else {}) | ({language: True} if language else {})

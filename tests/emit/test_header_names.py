@@ -56,6 +56,12 @@ def test_a_listed_header_is_no_name_in_capitals_either() -> None:
                 task_called(spelling)
 
 
+@pytest.mark.parametrize("name", ["con", "NUL", "Com1", "lpt9"])
+def test_a_device_of_windows_is_refused(name: str) -> None:
+    with pytest.raises(BadInput, match=f"^name: '{name}' is a device of Windows"):
+        task_called(name)
+
+
 @pytest.mark.parametrize("name", ["asyncore", "Distutils", "token"])
 def test_a_module_of_any_python_is_refused(name: str) -> None:
     with pytest.raises(BadInput, match="standard library of Python"):

@@ -397,3 +397,47 @@ def test_the_script_of_tools_names_every_missing_package(kind: str, tmp_path: Pa
     named = set(result.stderr.partition("(Debian names):")[2].split())
     assert needed
     assert needed <= named, needed - named
+
+
+HOSTILE_MANIFESTS = {
+    "a folder that leaves": lambda d: d["folders"].update({"../../x": next(iter(d["folders"].values()))}),
+    "an absolute folder": lambda d: d["folders"].update({"/tmp/x": next(iter(d["folders"].values()))}),
+    "a file that leaves": lambda d: next(iter(d["folders"].values()))["sha256"].update({"../../../../tasks/empty.toml": "00"}),
+    "an unknown design": lambda d: next(iter(d["folders"].values()))["options"].update(design="\0"),
+    "an unknown scalar": lambda d: next(iter(d["folders"].values()))["options"].update(scalar=-(2**64)),
+    "hashes that are a number": lambda d: next(iter(d["folders"].values())).update(sha256=5),
+    "folders that are a list": lambda d: d.update(folders=[]),
+}
+
+
+@pytest.mark.parametrize("change", HOSTILE_MANIFESTS)
+def test_a_hostile_manifest_is_bad_input_and_removes_nothing(change: str, recorded) -> None:
+    path = recorded / "generated" / "MANIFEST.json"
+    document = json.loads(path.read_text())
+    HOSTILE_MANIFESTS[change](document)
+    path.write_text(json.dumps(document))
+    before = {p: p.read_bytes() for p in recorded.rglob("*") if p.is_file()}
+    for arguments in (("check",), ("check", "--accept")):
+        result = run_command(*arguments, cwd=recorded)
+        assert result.returncode == 2, result.stdout
+        assert "MANIFEST.json: " in result.stderr
+    assert {p: p.read_bytes() for p in recorded.rglob("*") if p.is_file()} == before
+
+
+@pytest.mark.parametrize("data", [b"[" * 100_000, b'{"sha256": 5, "certified": true}', b"\xff", b'{"sha256": ["empty.c"]}', b""])
+def test_a_damaged_certificate_in_the_way_belongs_to_nobody(data: bytes, tmp_path) -> None:
+    (tmp_path / "out").mkdir()
+    for name in ("other.certificate.json", "empty.c", "empty.fmu"):
+        (tmp_path / "out" / name).write_bytes(data)
+    refuse_to_overwrite_certified(tmp_path / "out", {"empty.c": b"", "empty.fmu": b"", "empty.certificate.json": data})
+
+
+def test_a_unit_that_is_packed_to_a_thousandth_is_not_unpacked_whole(tmp_path, monkeypatch) -> None:
+    import zipfile
+
+    from stt_codegen.record import overwriting
+
+    monkeypatch.setattr(overwriting, "SIZE_LIMIT", 100_000)
+    with zipfile.ZipFile(tmp_path / "empty.fmu", "w", zipfile.ZIP_DEFLATED) as unit:
+        unit.writestr("resources/empty.certificate.json", b'{"certified": true, "task": "' + b"x" * 10_000_000 + b'"}')
+    refuse_to_overwrite_certified(tmp_path, {"empty.fmu": b""})  # what is larger than any certificate is none

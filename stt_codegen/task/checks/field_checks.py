@@ -33,6 +33,8 @@ from stt_codegen.task.sets import (
 )
 from stt_codegen.task.values import ADD_IT
 
+DEVICES = frozenset(["con", "prn", "aux", "nul", *(f"{port}{k}" for port in ("com", "lpt") for k in range(10))])  # of Windows
+
 
 def first_problem(task: TaskTables) -> str | None:
     """Return the message of the first check that fails, or None."""
@@ -54,6 +56,8 @@ def structure_problem(task: TaskTables) -> str | None:
 
 def _name_problem(task: TaskTables) -> str | None:
     name = task.name
+    if name.lower() in DEVICES:
+        return f"name: {name!r} is a device of Windows, where no file can be called so; choose another"
     for target in targets_of(task.emit):
         option = f" (emit.{target.key})" if target.option else ""
         if name in target.words:

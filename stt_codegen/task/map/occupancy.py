@@ -11,6 +11,7 @@ with p below `WHITE` as free, and "thresholds" takes all that the thresholds mak
 
 from __future__ import annotations
 
+import io
 from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
@@ -23,9 +24,12 @@ import numpy.typing as npt
 
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput
+from stt_codegen.files import read_input
 from stt_codegen.task.map.map_yaml import MapHeader, read_header
 
 SIDE_CELLS_LIMIT = 4096
+IMAGE_SIZE_LIMIT = 64_000_000  # bytes of the file
+IMAGE_FORMATS = ("PNG", "PPM", "BMP", "GIF", "JPEG", "TIFF", "TGA", "WEBP")  # PGM is a PPM; no format that runs a program
 WHITE = Fraction(2, 100)  # p below this is white: grey 250 to 255, savers write 254
 OPAQUE = 255
 LEVELS = 256
@@ -166,8 +170,10 @@ def _pixels(header: MapHeader) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.ui
 
     Image.MAX_IMAGE_PIXELS = None  # the size is checked below
     image = header.image
+    remedy = f"it is the image of {header.path}"
+    data = io.BytesIO(read_input(image, IMAGE_SIZE_LIMIT, remedy))
     try:
-        with Image.open(image) as opened:
+        with Image.open(data, formats=IMAGE_FORMATS) as opened:
             if max(opened.size) > SIDE_CELLS_LIMIT:
                 raise BadInput(
                     f"{image}: has {opened.size[0]} x {opened.size[1]} cells; at most {SIDE_CELLS_LIMIT} a side are taken"
@@ -185,9 +191,10 @@ def _pixels(header: MapHeader) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.ui
             if "A" in opened.getbands() or "transparency" in opened.info:
                 _require_clear_alpha(header)
             pixels = np.array(opened.convert("RGBA"))
-    except (OSError, ValueError, SyntaxError, EOFError) as error:
-        reason = getattr(error, "strerror", None) or "is no image"
-        raise BadInput(f"{image}: cannot be read ({reason}); it is the image of {header.path}") from None
+    except BadInput:
+        raise
+    except Exception:  # decoders raise what they like at a damaged image
+        raise BadInput(f"{image}: is damaged, or no {', '.join(IMAGE_FORMATS)}; {remedy}") from None
     colours = pixels[..., :COLOURS]
     darkest = colours.max(axis=-1) if _dark_is_free(header) else colours.min(axis=-1)
     return darkest, colours.sum(axis=-1, dtype=np.uint16), np.asarray(pixels[..., COLOURS] == OPAQUE)
