@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
 import os
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.errors import BadInput
-from stt_codegen.record.files import CERTIFICATE_SUFFIX
+from stt_codegen.record.files import CERTIFICATE_SUFFIX, json_object, possible_paths
 from stt_codegen.task.map import input_files
 
 UNIT_SUFFIX = ".fmu"
@@ -62,15 +61,15 @@ def refuse_to_overwrite_certified(folder: Path, files: Mapping[str, bytes]) -> N
     """
     for path, data in files.items():
         for certificate, old in _certificates_with(folder, path):
-            new = _unit_certificate(data) if path.endswith(UNIT_SUFFIX) else _json_object(files.get(certificate, b""))
+            new = _unit_certificate(data) if path.endswith(UNIT_SUFFIX) else json_object(files.get(certificate, b""))
             if old.get("task") != new.get("task") or new.get("certified") is not True:
                 raise BadInput(
                     f"{folder}: holds a certified {old.get('task')!r} ({certificate}), of which {path} is; "
                     "write this to another --out"
                 )
     for certificate in (path for path in files if path.endswith(CERTIFICATE_SUFFIX)):
-        for name, digest in _json_object(files[certificate]).get("sha256", {}).items():
-            for path in _possible_paths(certificate, name):
+        for name, digest in json_object(files[certificate]).get("sha256", {}).items():
+            for path in possible_paths(certificate, name):
                 with suppress(OSError):
                     if path not in files and hashlib.sha256((folder / path).read_bytes()).hexdigest() != digest:
                         raise BadInput(
@@ -91,27 +90,10 @@ def _certificates_with(folder: Path, path: str) -> Iterator[tuple[str, dict[str,
     for relative_folder in (".", "../extras"):
         for candidate in sorted((file.parent / relative_folder).glob(f"*{CERTIFICATE_SUFFIX}")) if file.exists() else ():
             with suppress(OSError):
-                certificate = _json_object(candidate.read_bytes())
+                certificate = json_object(candidate.read_bytes())
                 has_file = candidate.name == file.name or file.name in certificate.get("sha256", {})
                 if certificate.get("certified") is True and has_file:
                     yield Path(os.path.relpath(candidate, folder)).as_posix(), certificate
-
-
-def _possible_paths(certificate: str, name: str) -> Iterator[str]:
-    """Yield where the file `name` of a certificate may lie, relative to the same folder as the certificate's path."""
-    parent = Path(certificate).parent
-    yield (parent / name).as_posix()
-    if parent.name == "extras":
-        yield (parent.parent / "src" / name).as_posix()
-
-
-def _json_object(data: bytes) -> dict[str, Any]:
-    """Return the JSON object, such as a certificate; empty where the data is none."""
-    with suppress(ValueError):
-        document = json.loads(data)
-        if isinstance(document, dict):
-            return document
-    return {}
 
 
 def _unit_certificate(data: bytes) -> dict[str, Any]:
@@ -119,5 +101,5 @@ def _unit_certificate(data: bytes) -> dict[str, Any]:
     with suppress(OSError, KeyError, zipfile.BadZipFile), zipfile.ZipFile(io.BytesIO(data)) as unit:
         for name in unit.namelist():
             if name.startswith("resources/") and name.endswith(CERTIFICATE_SUFFIX):
-                return _json_object(unit.read(name))
+                return json_object(unit.read(name))
     return {}

@@ -610,7 +610,7 @@ def test_the_checker_refuses_a_changed_certificate(name: str, tmp_path: Path, ca
     controller = courier_controller()
     document = json.loads(controller.files["courier.certificate.json"])
     CHANGES[name](document)
-    files = controller.files | {"courier.certificate.json": json.dumps(document).encode()}
+    files = {**controller.files, "courier.certificate.json": json.dumps(document).encode()}
     assert exit_code_of_checker(dataclasses.replace(controller, files=files), COURIER, tmp_path) == 1
     assert "refused" in capsys.readouterr().out
 

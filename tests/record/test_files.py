@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import os
+import pickle
 import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,6 +19,7 @@ from stt_codegen.cli.options import PACKAGES
 from stt_codegen.errors import BadInput
 from stt_codegen.record.check import check, describe_numbers
 from stt_codegen.record.files import write_files
+from stt_codegen.record.manifest import record
 from stt_codegen.record.overwriting import refuse_to_overwrite_certified
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.task.load import load_task
@@ -157,6 +161,58 @@ def test_a_failed_write_leaves_the_old_files_unchanged(tmp_path, monkeypatch) ->
     with pytest.raises(BadInput, match="No space left"):
         write_files(tmp_path, {"a.c": b"new a", "b.c": b"new b"})
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == {"a.c": b"old a", "b.c": b"old b"}
+
+
+def altered(controller, name: str):
+    """Return the controller with one more space at the end of a file."""
+    return replace(controller, files={**controller.files, name: controller.files[name] + b" "})
+
+
+def test_files_of_a_controller_cannot_be_changed_and_can_be_copied_and_pickled() -> None:
+    controller = controller_of("omni_s2")
+    contents = {name: bytes(data) for name, data in controller.files.items()}
+    changes = {
+        "assigned": lambda files: files.__setitem__("omni_s2.c", b""),
+        "deleted": lambda files: files.__delitem__("omni_s2.c"),
+        "updated": lambda files: files.update({"omni_s2.c": b""}),
+        "popped": lambda files: files.pop("omni_s2.c"),
+        "cleared": lambda files: files.clear(),
+    }
+    for change in changes.values():
+        with pytest.raises((TypeError, AttributeError)):
+            change(controller.files)
+    contents_before = dict(contents)
+    copied = replace(controller, files=contents_before)
+    contents_before["omni_s2.c"] = b""
+    for files in (
+        controller.files,
+        copied.files,
+        copy.copy(copied.files),
+        copy.deepcopy(copied.files),
+        pickle.loads(pickle.dumps(copied)).files,
+    ):
+        assert files == contents
+        assert type(files) is type(controller.files)
+
+
+@pytest.mark.parametrize("name", ["omni_s2.c", "omni_s2.h", "omni_s2.py"])
+def test_an_altered_file_is_not_written_beside_its_certificate(name: str, tmp_path) -> None:
+    """By no way: neither as files, nor recorded, nor in a package of any kind."""
+    controller = altered(controller_of("omni_s2"), name)
+    message = f"{name}: is not what omni_s2.certificate.json is about"
+    with pytest.raises(BadInput, match=message):
+        write_files(tmp_path / "plain", controller.files)
+    with pytest.raises(BadInput, match=message):
+        record(tmp_path / "recorded", ROOT / "tasks" / "omni_s2.toml", controller, False)
+    for kind in KINDS:
+        with pytest.raises(BadInput, match=message):
+            package(controller, kind)
+    assert not list(tmp_path.rglob("*.*"))
+    files = package(controller_of("omni_s2"), "cmake")
+    with pytest.raises(BadInput, match="is not what omni_s2/extras/omni_s2.certificate.json is about"):
+        write_files(tmp_path, files | {"omni_s2/src/omni_s2.c": b"int quick;"})
+    without = {path: data for path, data in controller.files.items() if not path.endswith(".json")}
+    write_files(tmp_path, without)  # nothing vouches for it
 
 
 def test_nothing_is_written_when_one_of_several_tasks_is_refused(tmp_path) -> None:
