@@ -6,13 +6,21 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import lcm
 
+import numpy as np
+
 from stt_codegen.certify.missions import is_visit
+from stt_codegen.constraints import avoidances
+from stt_codegen.decimals import decimal
+from stt_codegen.design import lattice_of
 from stt_codegen.pipeline import EmittedController
+from stt_codegen.report.clearances import component_distance
 from stt_codegen.report.closed_axis_notes import turn_notes
 from stt_codegen.task import Task
 from stt_codegen.task.map import Point, touching_sides, twice_area
 from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, hull_corners
 
+ROUNDING_ROOM = 4  # times the lattice's allowance: more than a search leaves for rounding at an edge of gamma(0)
+NAMED_SETS_LIMIT = 3
 VISIT_NOTE = (
     "a visit without stay is for a moment, here for as long as costs little speed; stay = 2 in its entry asks for 2 s, "
     "start_delay = 1 for a margin of 1 s in every time"
@@ -27,6 +35,25 @@ def controller_notes(controller: EmittedController) -> Iterator[str]:
     mission = controller.certificate.mission
     if mission is not None and any(is_visit(witness) for entry in mission.witnesses for witness in entry):
         yield VISIT_NOTE
+
+
+def start_rim_cause(controller: EmittedController) -> str:
+    """Say why gamma(0) leaves out a rim of the initial set: unsafe sets nearer than the clearance, or room for rounding."""
+    task, certificate = controller.task, controller.certificate
+    box = task.start
+    gaps = [max(low - a, b - high) for (low, high), a, b in zip(certificate.start, box.lower, box.upper, strict=True)]
+    corners = (np.array([float(v) for v in edges]) for edges in (box.lower, box.upper))
+    lower, upper = corners
+    distances = {avoidance.name: component_distance(avoidance, lower, upper) for avoidance in avoidances(task)}
+    clearance, rounding = task.tube.clearance, ROUNDING_ROOM * lattice_of(task).allowance
+    near = {name: v for name, v in distances.items() if v < clearance + rounding}
+    causes = [f"{name} is {max(v, 0.0):.3g} from it, the clearance {decimal(clearance)}" for name, v in near.items()]
+    if len(causes) > NAMED_SETS_LIMIT:
+        causes = [*causes[:NAMED_SETS_LIMIT], f"{len(causes) - NAMED_SETS_LIMIT} more sets are as near"]
+    if not causes and max(gaps) > rounding:
+        return "the tube begins so"
+    scalar, largest = task.emit.scalar, decimal(task.largest_coordinate)
+    return "; ".join(causes) or f"room for the rounding of {scalar}, with coordinates up to {largest}"
 
 
 def task_notes(task: Task) -> tuple[str, ...]:
