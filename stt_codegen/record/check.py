@@ -53,7 +53,7 @@ class Difference:
     numbers: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FolderChange:
     """What changed of a folder since it was recorded.
 

@@ -91,6 +91,12 @@ def test_a_misspelt_key_is_answered_with_the_known_one() -> None:
     assert wrong == []
 
 
+@pytest.mark.parametrize("name", ["CON", "nul", "Aux", "prn", "com1", "LPT9"])
+def test_a_task_has_no_name_that_windows_keeps_from_files(name: str) -> None:
+    tables = BASE | {TOP: BASE[TOP].replace('"cart"', f'"{name}"')}
+    assert refusal_of(tables).endswith(f"{name!r} is a device of Windows, where no file {name}.c can be; choose another")
+
+
 @pytest.mark.parametrize(
     ("heading", "line", "answer"),
     [

@@ -31,6 +31,9 @@ from stt_codegen.task.sets import (
 )
 from stt_codegen.task.values import ADD_IT
 
+# Names that Windows keeps from files, whatever their ends.
+DEVICES = frozenset(["con", "prn", "aux", "nul", *(f"{port}{k}" for port in ("com", "lpt") for k in range(1, 10))])
+
 
 def first_problem(task: TaskTables) -> str | None:
     """Return the message of the first check that fails, or None."""
@@ -51,7 +54,10 @@ def structure_problem(task: TaskTables) -> str | None:
 
 
 def _name_problem(task: TaskTables) -> str | None:
+    """Return a message where the task's name is one that files or identifiers may not have, else None."""
     name = task.name
+    if name.lower() in DEVICES:
+        return f"name: {name!r} is a device of Windows, where no file {name}.c can be; choose another"
     for target in targets_of(task.emit):
         option = f" (emit.{target.key})" if target.option else ""
         if name in target.words:
