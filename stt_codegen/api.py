@@ -535,7 +535,7 @@ class Controller(pipeline.EmittedController):
         Raises
         ------
         BadInput
-            The folder cannot be written.
+            The folder cannot be written, or a file is not the one that the certificate is about.
 
         Examples
         --------

@@ -43,19 +43,48 @@ from stt_codegen.program import Program
 from stt_codegen.task import Task, load_task, require_offered
 
 
+class EmittedFiles(Mapping[str, bytes]):
+    """Contents of files by name, which cannot be changed: a certificate has their hashes.
+
+    They can be copied and pickled; `dict(files)` is a copy that you may change.
+    """
+
+    def __init__(self, contents: Mapping[str, bytes]) -> None:
+        self._contents = dict(contents)
+
+    def __getitem__(self, name: str) -> bytes:
+        return self._contents[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._contents)
+
+    def __len__(self) -> int:
+        return len(self._contents)
+
+    def __repr__(self) -> str:
+        sizes = ", ".join(f"{name}: {len(data)} bytes" for name, data in self._contents.items())
+        return f"<EmittedFiles {sizes}>"
+
+
 @dataclass(frozen=True)
 class EmittedController:
     """Everything that the pipeline makes of one task.
 
-    replaces: where the tube that the task prefers is not certified, a sentence on it and on the one that was taken.
+    files: cannot be changed. replaces: where the tube that the task prefers is not certified, a sentence on it and on the one
+    that was taken.
     """
 
     task: Task
     design: Design
     program: Program
     certificate: Certificate
-    files: dict[str, bytes]
+    files: Mapping[str, bytes]
+    _: KW_ONLY
     replaces: str = ""
+
+    def __post_init__(self) -> None:
+        """Keep the files from changes, also where the caller has the dictionary that they were given in."""
+        object.__setattr__(self, "files", EmittedFiles(self.files))
 
 
 def build(
@@ -103,7 +132,7 @@ def build_task(
 
         program = without_covered_starts(program)
     files = render_files(result.task, result.design, program, certificate)
-    return EmittedController(result.task, result.design, program, certificate, files, result.replaces)
+    return EmittedController(result.task, result.design, program, certificate, files, replaces=result.replaces)
 
 
 # ----------------------------------------------------------------------------------------------- tubes that are certified

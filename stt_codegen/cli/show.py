@@ -99,7 +99,8 @@ def _show_design_notes(console: Any, report: DesignReport) -> None:
         sides = ", ".join(f"{v:.3g} in {escape(name)}" for name, v in left_out if v)
         _indented(
             console,
-            f"[yellow]note[/yellow]: gamma(0) leaves out a rim of the initial set, up to {sides}; starts there are not covered",
+            f"[yellow]note[/yellow]: gamma(0) leaves out a rim of the initial set, up to {sides}: {escape(report.start_cause)}; "
+            "starts there are not covered",
         )
     for note in report.notes:
         _indented(console, f"[yellow]note[/yellow]: {escape(note)}")

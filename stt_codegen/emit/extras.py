@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from stt_codegen.checker import archive
 from stt_codegen.designs import Design
 from stt_codegen.emit.naming import file_names, spelled_name
 from stt_codegen.emit.render import Files
 
 
-def extra_files(prefix: str, design: Design, files: Files, *, has_module: bool = True) -> Files:
+def extra_files(prefix: str, design: Design, files: Mapping[str, bytes], *, has_module: bool = True) -> Files:
     """Return the extra files by name, out of all emitted `files`. has_module: whether the Python is one of them.
 
     The task is there where the text of its sets was written out, the checker where it can check the certificate.

@@ -2,8 +2,28 @@
 
 from stt_codegen.files.bounded_json import json_object
 from stt_codegen.files.bounded_toml import parse_toml
+from stt_codegen.files.certified_contents import (
+    CERTIFICATE_SUFFIX,
+    hashes_in,
+    parse_certificate,
+    possible_paths,
+    require_certified_contents,
+)
 from stt_codegen.files.locks import locked
 from stt_codegen.files.reading import decode, printable, read_input
-from stt_codegen.files.writing import CERTIFICATE_SUFFIX, write_files
+from stt_codegen.files.writing import write_files
 
-__all__ = ["CERTIFICATE_SUFFIX", "decode", "json_object", "locked", "parse_toml", "printable", "read_input", "write_files"]
+__all__ = [
+    "CERTIFICATE_SUFFIX",
+    "decode",
+    "hashes_in",
+    "json_object",
+    "locked",
+    "parse_certificate",
+    "parse_toml",
+    "possible_paths",
+    "printable",
+    "read_input",
+    "require_certified_contents",
+    "write_files",
+]

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from stt_codegen.errors import BadInput
+from stt_codegen.files.certified_contents import CERTIFICATE_SUFFIX, require_certified_contents
 from stt_codegen.files.locks import locked
 
-CERTIFICATE_SUFFIX = ".certificate.json"  # such a file has the hashes of the set's other files
 UNFINISHED_SUFFIX = ".unfinished"  # of a file that is being written; its name begins with a dot
 
 
@@ -22,8 +22,9 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
 
     One writer at a time: others wait. After an error all files are old. If the process is killed, each file is whole, but some
     may be new; then the folder has no certificate that could vouch for the mixture. Raises `BadInput` when the folder cannot be
-    written, or another writer does not end.
+    written, another writer does not end, or a file is not the one that a certificate among them is about.
     """
+    require_certified_contents(files)
     with locked({folder, *((folder / name).parent for name in files)}):
         try:
             _replace_files(folder, files)

@@ -1,18 +1,22 @@
 """Compare a recorded folder with what the tool builds now, for `stt-codegen check`, and record it again (`--accept`).
 
 A difference says whether numbers changed or only text. The C is read back, and compared with the Program that was printed.
+Of a folder that differs the hashes of the manifest say whether its task, its files or the tool changed.
 """
 
 from __future__ import annotations
 
 import difflib
 import hashlib
+import os
 import re
-from collections.abc import Callable
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from stt_codegen.errors import SttError
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.read import differences as program_differences
 from stt_codegen.record.manifest import (
@@ -20,6 +24,7 @@ from stt_codegen.record.manifest import (
     RecordedFolder,
     build_again,
     folder_of,
+    hash_of_inputs,
     read_manifest,
     record,
     recorded_tools,
@@ -29,6 +34,7 @@ from stt_codegen.record.manifest import (
 
 SIZE_MARGIN = 1_000_000  # bytes; files that are larger than expected by more are not compared line by line
 DIFF_LINES = 40  # of one file that are shown; all other lines are counted
+SPELLED_OUT = ".task.toml"  # end of the name of a task that was written beside a controller
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?F?\b")
 _HASH = re.compile(r'"[0-9a-f]{16}"|"[0-9a-f]{64}"')
 _START_BOX = re.compile(r"_start_(?:lower|upper)\[\d+\][^;]*;")
@@ -48,16 +54,66 @@ class Difference:
     numbers: str = ""
 
 
-def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> list[Difference]:
-    """Build every folder of the manifest in `root` again and compare it with the files there; empty when nothing differs.
+@dataclass(frozen=True, kw_only=True)
+class FolderChange:
+    """What changed of a folder since it was recorded.
+
+    edited, missing: files on disk. task_changed: None where the manifest has no hash of the task. makes_other_files: whether the
+    tool makes other files than the recorded ones, for whatever cause.
+    """
+
+    folder: str
+    task: str
+    edited: tuple[str, ...]
+    missing: tuple[str, ...]
+    task_changed: bool | None
+    makes_other_files: bool
+
+    @property
+    def tool_changed(self) -> bool | None:
+        """Whether the tool changed; None where the changed task may be the cause."""
+        return self.makes_other_files if self.task_changed is False or not self.makes_other_files else None
+
+    def sentence(self, changed_versions: Sequence[str]) -> str:
+        """Say in one line what changed. changed_versions: of tools, as in "numpy 1.0 -> 1.1"."""
+        causes = [f"{', '.join(self.edited)} edited"] if self.edited else []
+        causes += [f"{', '.join(self.missing)} missing"] if self.missing else []
+        if self.task_changed:
+            causes.append(f"its task {self.task} changed")
+        if self.tool_changed:
+            versions = f" ({', '.join(changed_versions)})" if changed_versions else ", with the versions that are recorded"
+            causes.append(f"the tool changed{versions}")
+        if self.tool_changed is None and self.task_changed is None:
+            causes.append(f"its task {self.task} or the tool changed; the manifest has no hash of the task, --accept adds it")
+        return f"{self.folder}: since it was recorded: {'; '.join(causes) or 'only the manifest changed'}"
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """All differences, what changed of each folder that differs, and the tasks beside recorded ones that were never recorded."""
+
+    differences: tuple[Difference, ...]
+    changes: tuple[FolderChange, ...]
+    unrecorded_tasks: tuple[str, ...]
+
+
+def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> CheckResult:
+    """Build every folder of the manifest in `root` again and compare it with the files there.
 
     progress: called with each folder's name. The C is also read back, and compared with the Program that was printed.
     """
     differences: list[Difference] = []
-    known_paths = {MANIFEST, "lemmas.md"}
-    for entry in read_manifest(root):
+    changes: list[FolderChange] = []
+    known_paths, entries = {MANIFEST, "lemmas.md"}, read_manifest(root)
+    for entry in entries:
         progress(entry.folder)
-        controller = build_again(root, entry)
+        try:
+            controller = build_again(root, entry)
+        except SttError as error:  # the other folders are compared all the same
+            differences.append(Difference(entry.folder, f"is not made any more: {error}"))
+            changes.append(change_of(root, entry, {}))
+            known_paths |= {f"{entry.folder}/{name}" for name in entry.sha256}
+            continue
         known_paths |= {f"{entry.folder}/{name}" for name in entry.sha256}
         known_paths.add(f"{entry.folder}/{entry.folder.split('/')[0]}.bounds.json")  # `prove` writes it there
         if controller is None:
@@ -68,11 +124,13 @@ def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> list[
             differences.append(Difference(entry.folder, problem))
         else:
             known_paths |= {f"{entry.folder}/{name}" for name in controller.files}
-            differences += _compare_folder(root, entry, controller)
+            of_folder = _compare_folder(root, entry, controller)
+            differences += of_folder
+            changes += [change_of(root, entry, controller.files)] if of_folder else []
     on_disk = {p.relative_to(root).as_posix() for p in root.rglob("*") if p.is_file()}
     extra = "is not recorded in the manifest; delete it (--accept leaves it alone)"
     differences += [Difference(path, extra) for path in sorted(on_disk - known_paths)]
-    return differences
+    return CheckResult(tuple(differences), tuple(changes), tuple(unrecorded_tasks(root, entries)))
 
 
 def _compare_folder(root: Path, entry: RecordedFolder, controller: EmittedController) -> list[Difference]:
@@ -91,6 +149,40 @@ def _compare_folder(root: Path, entry: RecordedFolder, controller: EmittedContro
     for line in program_differences(controller.program, header, source):
         differences.append(Difference(f"{entry.folder}/{prefix}.c", f"does not mean what was to be printed: {line}"))
     return differences
+
+
+def change_of(root: Path, entry: RecordedFolder, files: Mapping[str, bytes]) -> FolderChange:
+    """Compare a recorded folder, its task and the files that the tool makes of it now with the hashes of the manifest."""
+    on_disk = {name: root / entry.folder / name for name in entry.sha256}
+    missing = tuple(name for name, path in on_disk.items() if not path.is_file())
+    return FolderChange(
+        folder=entry.folder,
+        task=os.path.normpath(root / entry.task),
+        edited=tuple(name for name, path in on_disk.items() if name not in missing and _sha256(path) != entry.sha256[name]),
+        missing=missing,
+        task_changed=None if entry.inputs_sha256 is None else hash_of_inputs(root / entry.task) != entry.inputs_sha256,
+        makes_other_files={n: hashlib.sha256(data).hexdigest() for n, data in files.items()} != entry.sha256,
+    )
+
+
+def _sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def unrecorded_tasks(root: Path, entries: Sequence[RecordedFolder]) -> list[str]:
+    """Return the task files that lie beside recorded ones and are not in the manifest."""
+    recorded_files = {(root / entry.task).resolve() for entry in entries}
+    folders = {path.parent for path in recorded_files}
+    files = sorted(file for folder in folders for file in folder.glob("*.toml") if not file.name.endswith(SPELLED_OUT))
+    return [os.path.relpath(file) for file in files if file not in recorded_files and _is_task(file)]
+
+
+def _is_task(path: Path) -> bool:
+    """Return whether a file may be meant as a task: it has a state space, or is no TOML that can be read."""
+    try:
+        return "state_space" in tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except (OSError, ValueError, RecursionError):
+        return True
 
 
 class AcceptedFolders(NamedTuple):

@@ -18,8 +18,10 @@ from typing import Any
 
 from stt_codegen import __version__
 from stt_codegen.errors import BadInput, about
-from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, read_input, write_files
+from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, parse_toml, read_input, write_files
 from stt_codegen.pipeline import EmittedController, build
+from stt_codegen.task import read_task_text
+from stt_codegen.task.map import input_files
 
 MANIFEST = "MANIFEST.json"
 MANIFEST_FORMAT = 1
@@ -29,7 +31,10 @@ TOOLS = ("casadi", "highspy", "jinja2", "numpy")
 
 @dataclass(frozen=True)
 class RecordedFolder:
-    """One recorded folder, its task file and its options. Paths are relative to the manifest's folder; sha256: by file name."""
+    """One recorded folder, its task file and its options. Paths are relative to the manifest's folder.
+
+    sha256: by file name. inputs_sha256: of what the task is read from (`hash_of_inputs`); None in a manifest of an older version.
+    """
 
     folder: str
     task: str
@@ -38,6 +43,7 @@ class RecordedFolder:
     uncertified: bool
     _: KW_ONLY
     sha256: dict[str, str]
+    inputs_sha256: str | None = None
 
 
 def record(root: Path, task_file: Path, controller: EmittedController, uncertified: bool) -> Path:
@@ -65,10 +71,23 @@ def _record(root: Path, task_file: Path, controller: EmittedController, uncertif
         scalar=controller.program.scalar,
         uncertified=uncertified,
         sha256={file: hashlib.sha256(data).hexdigest() for file, data in controller.files.items()},
+        inputs_sha256=hash_of_inputs(task_file),
     )
     write_files(root / name, controller.files)
     write_files(root, {MANIFEST: _manifest_text(entries)})
     return root / name
+
+
+def hash_of_inputs(task_file: Path) -> str:
+    """Return the SHA-256 of what a task is read from: the data of its file, without comments and layout, and its maps.
+
+    No code of the tool changes it, so it is the same for every version of the tool.
+    """
+    document = parse_toml(read_task_text(task_file))
+    digest = hashlib.sha256(json.dumps(document, sort_keys=True, default=str).encode())
+    for file in input_files(task_file)[1:]:
+        digest.update(hashlib.sha256(file.read_bytes()).digest())
+    return digest.hexdigest()
 
 
 def _manifest_text(entries: dict[str, RecordedFolder]) -> bytes:
@@ -79,7 +98,8 @@ def _manifest_text(entries: dict[str, RecordedFolder]) -> bytes:
         options: dict[str, Any] = {"design": entry.design, "scalar": entry.scalar}
         if entry.uncertified:
             options["uncertified"] = True
-        folders[name] = {"task": entry.task, "options": options, "sha256": dict(sorted(entry.sha256.items()))}
+        inputs = {} if entry.inputs_sha256 is None else {"inputs_sha256": entry.inputs_sha256}
+        folders[name] = {"task": entry.task, **inputs, "options": options, "sha256": dict(sorted(entry.sha256.items()))}
     document = {"format": MANIFEST_FORMAT, "tools": tool_versions(), "folders": folders}
     return (json.dumps(document, indent=2) + "\n").encode()
 
@@ -108,6 +128,7 @@ def read_manifest(root: Path) -> list[RecordedFolder]:
                 scalar=str(data["options"]["scalar"]),
                 uncertified=bool(data["options"].get("uncertified", False)),
                 sha256={str(k): str(v) for k, v in data["sha256"].items()},
+                inputs_sha256=None if data.get("inputs_sha256") is None else str(data["inputs_sha256"]),
             )
             for folder, data in document["folders"].items()
         ]

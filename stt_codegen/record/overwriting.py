@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.errors import BadInput
-from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, read_input
+from stt_codegen.files import CERTIFICATE_SUFFIX, hashes_in, parse_certificate, possible_paths, read_input
 from stt_codegen.task.map import input_files
 
 UNIT_SUFFIX = ".fmu"
@@ -63,15 +63,15 @@ def refuse_to_overwrite_certified(folder: Path, files: Mapping[str, bytes]) -> N
     """
     for path, data in files.items():
         for certificate, old in _certificates_with(folder, path):
-            new = _unit_certificate(data) if path.endswith(UNIT_SUFFIX) else _json_object(files.get(certificate, b""))
+            new = _unit_certificate(data) if path.endswith(UNIT_SUFFIX) else parse_certificate(files.get(certificate, b""))
             if old.get("task") != new.get("task") or new.get("certified") is not True:
                 raise BadInput(
                     f"{folder}: holds a certified {old.get('task')!r} ({certificate}), of which {path} is; "
                     "write this to another --out"
                 )
     for certificate in (path for path in files if path.endswith(CERTIFICATE_SUFFIX)):
-        for name, digest in _hashes(_json_object(files[certificate])).items():
-            for path in _possible_paths(certificate, name):
+        for name, digest in hashes_in(parse_certificate(files[certificate])).items():
+            for path in possible_paths(certificate, name):
                 if path not in files and (folder / path).is_file():
                     data = read_input(folder / path, SIZE_LIMIT, "remove it, or write to another --out")
                     if hashlib.sha256(data).hexdigest() != digest:
@@ -91,31 +91,10 @@ def _certificates_with(folder: Path, path: str) -> Iterator[tuple[str, dict[str,
         return
     for relative_folder in (".", "../extras"):
         for candidate in sorted((file.parent / relative_folder).glob(f"*{CERTIFICATE_SUFFIX}")) if file.exists() else ():
-            certificate = _json_object(_content(candidate))
-            has_file = candidate.name == file.name or file.name in _hashes(certificate)
+            certificate = parse_certificate(_content(candidate))
+            has_file = candidate.name == file.name or file.name in hashes_in(certificate)
             if certificate.get("certified") is True and has_file:
                 yield Path(os.path.relpath(candidate, folder)).as_posix(), certificate
-
-
-def _possible_paths(certificate: str, name: str) -> Iterator[str]:
-    """Yield where the file `name` of a certificate may lie, relative to the same folder as the certificate's path."""
-    parent = Path(certificate).parent
-    yield (parent / name).as_posix()
-    if parent.name == "extras":
-        yield (parent.parent / "src" / name).as_posix()
-
-
-def _json_object(data: bytes) -> dict[str, Any]:
-    """Return the JSON object, such as a certificate; empty where the data is none."""
-    with suppress(ValueError):
-        return json_object(data)
-    return {}
-
-
-def _hashes(certificate: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the hashes of a certificate by file, empty where it has none."""
-    hashes = certificate.get("sha256")
-    return hashes if isinstance(hashes, dict) else {}
 
 
 def _content(path: Path) -> bytes:
@@ -132,5 +111,5 @@ def _unit_certificate(data: bytes) -> dict[str, Any]:
         for name in unit.namelist():
             if name.startswith("resources/") and name.endswith(CERTIFICATE_SUFFIX):
                 with unit.open(name) as file:  # a packed file may be a thousand times larger
-                    return _json_object(file.read(SIZE_LIMIT))
+                    return parse_certificate(file.read(SIZE_LIMIT))
     return {}

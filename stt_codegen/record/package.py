@@ -24,6 +24,7 @@ from stt_codegen.emit import (
     wrap_name,
 )
 from stt_codegen.errors import BadInput
+from stt_codegen.files import require_certified_contents
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
 from stt_codegen.program.targets import TARGETS, TargetLanguage
@@ -50,8 +51,10 @@ NEEDS_REAL_NUMBERS = "takes and gives real numbers, and this controller has none
 def package(controller: EmittedController, kind: str, plant: Model | None = None) -> Files:
     """Return the files of a package by path. kind: of `KINDS`; plant: for `fmu` alone, gets units too.
 
-    Raises `BadInput` where the kind cannot hold this controller, `MissingTool` without its compiler.
+    Raises `BadInput` where the kind cannot hold this controller or a file is not what the certificate is about, `MissingTool`
+    without its compiler.
     """
+    require_certified_contents(controller.files)
     is_reserved, reason = RESERVED_NAMES.get(kind, (lambda _: False, ""))
     if is_reserved(controller.task.name):
         raise BadInput(f"name: {controller.task.name!r} is {reason}; choose another name, or another --package")
@@ -135,7 +138,7 @@ def _of_language(target: TargetLanguage, controller: EmittedController) -> Files
 
 
 KINDS: dict[str, Callable[[EmittedController], Files]] = {
-    "plain": lambda controller: controller.files,
+    "plain": lambda controller: dict(controller.files),
     **{kind: partial(_library, kind) for kind in ("cmake", "arduino", "platformio")},
     **{target.key: partial(_of_language, target) for target in TARGETS if target.package},
     "fmu": fmu_units,

@@ -131,5 +131,9 @@ class Analysis(LoopAnalysis):
             return None
         sign = -1 if self.controller.task.gain[0] > 0 else 1
         return propose_bounds(
-            self.controller.task, self.bounds, Fraction(self.plant.w_max), lambda: list(self.plant_bounds_over_tube(sign))
+            self.controller.task,
+            self.bounds,
+            Fraction(self.plant.w_max),
+            lambda: list(self.plant_bounds_over_tube(sign)),
+            self.windows.times.tolist(),
         )

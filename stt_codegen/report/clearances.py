@@ -36,6 +36,16 @@ def bounds_over(avoidance: Avoidance, t: Array) -> Array:
     return bounds
 
 
+def component_distance(avoidance: Avoidance, lower: Array, upper: Array, *, beyond_clearance: bool = False) -> float:
+    """Return the distance of a box from a set at t = 0, in the largest component, as the clearance counts; infinite where the set
+    is inactive. beyond_clearance: less the clearance, which may differ by component."""
+    slack = [_left_side(constraint, lower[None], upper[None])[0] for constraint in avoidance.alternatives]
+    bounds = bounds_over(avoidance, np.zeros(1))[:, 0]
+    size = np.array([constraint.slack_per_distance for constraint in avoidance.alternatives])
+    kept = np.array([float(constraint.clearance) if beyond_clearance else 0.0 for constraint in avoidance.alternatives])
+    return float(((np.array(slack) - bounds - kept) / size).max())
+
+
 def distance(avoidance: Avoidance, t: Array, low: Array, high: Array) -> Array:
     """Return the distance of tubes at times t from a set, along the best of its normals: (T,).
 

@@ -6,13 +6,21 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import lcm
 
+import numpy as np
+
 from stt_codegen.certify.missions import has_momentary_visit
+from stt_codegen.constraints import avoidances
+from stt_codegen.decimals import by_component, decimal
+from stt_codegen.design import lattice_of
 from stt_codegen.pipeline import EmittedController
+from stt_codegen.report.clearances import component_distance
 from stt_codegen.report.closed_axis_notes import turn_notes
 from stt_codegen.task import Task
 from stt_codegen.task.map import Point, touching_sides, twice_area
 from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, hull_corners
 
+ROUNDING_ROOM = 4  # times the lattice's allowance: more than a search leaves for rounding at an edge of gamma(0)
+NAMED_SETS_LIMIT = 3
 VISIT_NOTE = (
     "a visit without stay may last for a moment only; stay = 2 in its entry asks for 2 s, start_delay = 1 for a margin of 1 s in "
     "every time"
@@ -26,6 +34,29 @@ def controller_notes(controller: EmittedController) -> Iterator[str]:
         yield controller.replaces
     if any(has_momentary_visit(formula) for formula in controller.task.formulas):
         yield VISIT_NOTE
+
+
+def start_rim_cause(controller: EmittedController) -> str:
+    """Say why gamma(0) leaves out a rim of the initial set: unsafe sets nearer than the clearance, or room for rounding."""
+    task, certificate = controller.task, controller.certificate
+    box = task.start
+    gaps = [max(low - a, b - high) for (low, high), a, b in zip(certificate.start, box.lower, box.upper, strict=True)]
+    corners = (np.array([float(v) for v in edges]) for edges in (box.lower, box.upper))
+    lower, upper = corners
+    rounding = ROUNDING_ROOM * lattice_of(task).allowance
+    near = {
+        avoidance.name: component_distance(avoidance, lower, upper)
+        for avoidance in avoidances(task)
+        if component_distance(avoidance, lower, upper, beyond_clearance=True) < rounding
+    }
+    clearance = by_component(task.clearances)
+    causes = [f"{name} is {max(v, 0.0):.3g} from it, the clearance {clearance}" for name, v in near.items()]
+    if len(causes) > NAMED_SETS_LIMIT:
+        causes = [*causes[:NAMED_SETS_LIMIT], f"{len(causes) - NAMED_SETS_LIMIT} more sets are as near"]
+    if not causes and max(gaps) > rounding:
+        return "the tube begins so"
+    scalar, largest = task.emit.scalar, decimal(task.largest_coordinate)
+    return "; ".join(causes) or f"room for the rounding of {scalar}, with coordinates up to {largest}"
 
 
 def task_notes(task: Task) -> tuple[str, ...]:

@@ -73,7 +73,7 @@ def norm_extremes(bounds: Sequence[Bounds]) -> Extremes:
 
 
 def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
-    """Return where a plant exceeds the task's table [plant], with its number and the stated one; empty where it is covered.
+    """Return where a plant exceeds the task's table [plant], with its number, the stated one and one that would do; or nothing.
 
     Compared in norms where u is scaled as a whole, else by component.
     """
@@ -89,10 +89,28 @@ def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
         for name, kind in zip(names, ("disturbance", "g_lower", "g_upper", "g_cross"), strict=True):
             value, limit = getattr(worst, kind)[i], getattr(stated, kind)[i]
             if kind == "g_lower" and value < limit:
-                lines.append(f"{name}{label} falls to {_digits(value, below)}, {limit:.9g} is stated")
+                line = f"{name}{label} falls to {_digits(value, below)}, {limit:.9g} is stated"
             elif kind != "g_lower" and value > limit:
-                lines.append(f"{name}{label} reaches {_digits(value, above)}, {limit:.9g} is stated")
+                line = f"{name}{label} reaches {_digits(value, above)}, {limit:.9g} is stated"
+            else:
+                continue
+            remedy = _sufficient_bound(task, kind, value, i)
+            lines.append(f"{line}, {remedy} would do" if remedy else line)
     return lines
+
+
+def _sufficient_bound(task: Task, kind: str, value: float, i: int) -> str:
+    """Return the key of [plant] with a value that covers component i; empty where a task takes no such value."""
+    if not math.isfinite(value):
+        return ""
+    if kind == "disturbance":
+        w_max = task.plant.w_max or Fraction(0)
+        key, number = "plant.f_max", _stated_above(Fraction(value) - (w_max[i] if isinstance(w_max, tuple) else w_max))
+    elif kind == "g_lower":
+        key, number = "plant.g_min", below(Fraction(value), 4)
+    else:
+        key, number = {"g_upper": "plant.g_max", "g_cross": "plant.g_cross"}[kind], _stated_above(Fraction(value))
+    return f"{key} = {number:g}" if _is_in_range(number) else ""
 
 
 def _digits(value: float, rounding: Callable[[Fraction, int], float]) -> str:
@@ -101,13 +119,19 @@ def _digits(value: float, rounding: Callable[[Fraction, int], float]) -> str:
 
 
 def propose_bounds(
-    task: Task, bounds: Sequence[Bounds], w_bound: Fraction, bounds_of_minus_g: Callable[[], Sequence[Bounds]]
+    task: Task,
+    bounds: Sequence[Bounds],
+    w_bound: Fraction,
+    bounds_of_minus_g: Callable[[], Sequence[Bounds]],
+    times: Sequence[float],
 ) -> ProposedBounds:
     """Propose the table [plant] for a plant with these bounds by window.
 
     w_bound: bound on |w|, which the bounds on |f + w| include. bounds_of_minus_g: returns the bounds of the plant with -g for g,
-    which say whether a gain of the other sign would do.
+    which say whether a gain of the other sign would do. times: where the windows begin, in seconds.
     """
+    if unknown := _unknown_bound(task, bounds, times):
+        return ProposedBounds(reason=unknown)
     worst = component_extremes(bounds)
     if task.order == 1:  # one number each, which holds for components and for norms
         norms = norm_extremes(bounds)
@@ -159,11 +183,19 @@ def _lines(task: Task, table: dict[str, list[float]]) -> Iterator[str]:
             yield f"{name} = {by_component(error if isinstance(error, tuple) else (error,))}"
 
 
+def _unknown_bound(task: Task, bounds: Sequence[Bounds], times: Sequence[float]) -> str:
+    """Say of which component no bound is known, and when; empty where all are known."""
+    for k, b in enumerate(bounds):
+        for name, values in (("f", b.disturbance), ("g", b.diagonal_min), ("g", b.diagonal_max), ("g", b.cross.max(axis=1))):
+            i = next((i for i, v in enumerate(values.tolist()) if not math.isfinite(v)), None)
+            if i is not None:
+                problem = f"no bound on {name} of {task.axis_words[i]} is known over the tube at t = {times[k]:.4g} s"
+                return f"{problem}: a divisor may be 0 there, or a root or logarithm of what may be negative"
+    return ""
+
+
 def _reason(task: Task, worst: Extremes, bounds_of_minus_g: Callable[[], Sequence[Bounds]]) -> str:
     """Return why no table [plant] can state these bounds; empty where one can."""
-    for name, values in (("f", worst.disturbance), ("g", [*worst.g_lower, *worst.g_upper, *worst.g_cross])):
-        if not all(map(math.isfinite, values)):
-            return f"no bound on {name} is known all over the tube"
     if min(worst.g_lower) > 0:
         return ""
     positive = task.gain[0] > 0

@@ -7,6 +7,7 @@ less the norm of the radii (the lemmas `plant.*`).
 
 from __future__ import annotations
 
+import heapq
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -25,7 +26,7 @@ from stt_codegen.program.convert import lower
 from stt_codegen.sampling.numbers import DOUBLES, Numbers
 from stt_codegen.task import Task
 
-PIECE_COUNT_LIMIT = 128  # of a box
+PIECE_COUNT_LIMIT = 256  # of a box
 Array = npt.NDArray[Any]
 Sides = Sequence[tuple[float, float]]
 
@@ -92,7 +93,7 @@ SMOOTH = frozenset("add sub mul div neg sqrt exp expm1 log log1p tanh sinh cosh 
 class _Part:
     """One output of a plant's function, f or g, in balls over pieces of a box.
 
-    The box is cut along the sides where a cut narrows the values most. Where all operations are smooth, the value over a piece
+    The box is cut where a cut narrows the values most. Where all operations are smooth, the value over a piece
     with midpoint m is also within its value at m plus J (y - m), with the Jacobian J over the piece. For a quotient of functions
     of one state this is far narrower than the operations alone.
     """
@@ -112,10 +113,37 @@ class _Part:
         self.enclosure = Enclosure(Program("plant", dimension, "double", (), tuple(kernels), functions=()), rounding=False)
 
     def pieces(self, box: Sides) -> Iterator[tuple[Ball, ...]]:
-        """Yield the values over each piece of a box."""
-        edges = [np.linspace(a, b, k + 1).tolist() for (a, b), k in zip(box, self._cuts(box), strict=True)]
-        for piece in itertools.product(*(list(itertools.pairwise(e)) for e in edges)):
-            yield self._over(piece)
+        """Yield the values over each of PIECE_COUNT_LIMIT pieces that make up a box; of fewer where a cut narrows nothing.
+
+        Each step halves the piece with the widest values, across the side that widens them most.
+        """
+        order = itertools.count()
+        values = self._over(box)
+        heap: list[Any] = [(-_total_radius(values), next(order), tuple(box), values)]
+        while len(heap) < PIECE_COUNT_LIMIT and heap[0][0]:
+            widest = heap[0]
+            side = self._widening_side(widest[2])
+            if side is None:
+                break
+            heapq.heappop(heap)
+            for piece in _halves(widest[2], side):
+                values = self._over(piece)
+                heapq.heappush(heap, (-_total_radius(values), next(order), piece, values))
+        yield from (values for *_, values in heap)
+
+    def _widening_side(self, piece: Sides) -> int | None:
+        """Return the side of a piece that widens the values most, by the slopes, or the longest one; None for a point."""
+        lengths = {k: b - a for k, (a, b) in enumerate(piece) if self.is_read[k] and a < (a + b) / 2 < b}
+        if not lengths:
+            return None
+        if not self.is_smooth:
+            return max(lengths, key=lambda k: lengths[k])
+        slopes = self.enclosure.kernel("slopes", *(hull(a, b) for a, b in piece))
+        rows = len(slopes) // len(piece)
+        steepness = {k: sum(_upper_end(abs(slope)) for slope in slopes[rows * k : rows * (k + 1)]) for k in lengths}
+        if not all(map(math.isfinite, steepness.values())):
+            return max(lengths, key=lambda k: lengths[k])
+        return max(lengths, key=lambda k: steepness[k] * lengths[k])
 
     def _over(self, piece: Sides) -> tuple[Ball, ...]:
         """Return the values over one piece, by plain balls and, where it is smooth, by the mean value form too."""
@@ -130,27 +158,12 @@ class _Part:
         centred = [m + sum((slopes[i + rows * k] * d for k, d in enumerate(offsets)), arb(0)) for i, m in enumerate(at_middle)]
         return tuple(_both(a, b) for a, b in zip(plain, centred, strict=True))
 
-    def _cuts(self, box: Sides) -> list[int]:
-        """Return the number of parts of each side, at most PIECE_COUNT_LIMIT pieces in all.
 
-        Each step halves the side that widens the values most, with all other sides at their midpoints.
-        """
-        cuts = [1] * len(box)
-        divisible = [k for k, (a, b) in enumerate(box) if b > a and self.is_read[k]]
-        if not divisible:
-            return cuts
-        middle = [((a + b) / 2, (a + b) / 2) for a, b in box]
-
-        def width_due_to(k: int) -> float:
-            (m, _), half = middle[k], (box[k][1] - box[k][0]) / 2 / cuts[k]
-            return _total_radius(self._over([(m - half, m + half) if j == k else point for j, point in enumerate(middle)]))
-
-        widths = {k: width_due_to(k) for k in divisible}
-        while 2 * math.prod(cuts) <= PIECE_COUNT_LIMIT:
-            k = max(divisible, key=lambda k: widths[k])
-            cuts[k] *= 2
-            widths[k] = width_due_to(k)
-        return cuts
+def _halves(piece: Sides, side: int) -> tuple[Sides, Sides]:
+    """Return the two halves of a piece across a side."""
+    (a, b), before, after = piece[side], tuple(piece[:side]), tuple(piece[side + 1 :])
+    middle = (a + b) / 2
+    return (*before, (a, middle), *after), (*before, (middle, b), *after)
 
 
 def _both(first: Ball, second: Ball) -> Ball:

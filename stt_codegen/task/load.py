@@ -31,8 +31,9 @@ def parse_task(text: str, source: str = "task", folder: Path | None = None) -> T
         document = parse_toml(text)
         if "map" not in document:
             return Task.model_validate(document, context={FILE: True})
-        from stt_codegen.task.map import expand_maps, to_toml
+        from stt_codegen.task.map import expand_maps, require_map_table, to_toml
 
+        require_map_table(document["map"])  # before the other tables: a key of theirs may stand in it
         without_map = Task.model_validate({k: v for k, v in document.items() if k != "map"}, context={FILE: True})
         expansion = expand_maps(document, without_map, folder or Path())
         with noted(expansion.notes):

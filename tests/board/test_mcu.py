@@ -105,8 +105,7 @@ def test_a_controller_beyond_its_bounds_is_an_exit_code(board: Any, monkeypatch:
         controller = original(*arguments)
         text = controller.files["arena.c"].replace(b"(-0.5F) : 0.5F", b"(-0.5F) : 0.6F")
         assert text != controller.files["arena.c"]
-        controller.files["arena.c"] = text
-        return controller
+        return replace(controller, files={**controller.files, "arena.c": text})
 
     original = mcu.arena_controller
     monkeypatch.setattr(mcu, "arena_controller", wrong_variant)

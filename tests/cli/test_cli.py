@@ -11,8 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from stt_codegen.report import design_report
+from stt_codegen.task import parse_task
 from tests.support.command_line import CommandResult, run_command
-from tests.support.controllers import ROOT
+from tests.support.controllers import ROOT, build_once
 
 TASK = str(ROOT / "tasks" / "omni_s1.toml")
 
@@ -175,6 +177,47 @@ def test_a_start_that_is_not_covered_is_reported_by_axis_and_amount(tmp_path: Pa
     assert 0.03 <= left_out[0] < 0.0301
     printed = run_command("design", str(tmp_path / "near.toml")).stdout
     assert f"up to {left_out[0]:.3g} in x1" in printed
+    assert "post is 0.02 from it, the clearance 0.05; starts there" in " ".join(printed.split())
+
+
+HALL = """name = "hall"
+prescribed_time = 100
+initial_state = [5, 5]
+[state_space]
+lower = [0, 0]
+upper = [161, 63]
+[initial_set]
+lower = [4, 4]
+upper = [5.9, 5.9]
+[target_set]
+lower = [150, 50]
+upper = [152, 52]
+[tube]
+clearance = 0.05
+"""
+ROUNDING = "room for the rounding of float, with coordinates up to 161"
+
+
+@pytest.mark.parametrize(
+    ("sets", "cause"),
+    [
+        ("", ROUNDING),
+        ('[[unsafe]]\nname = "far"\nlower = [7, 0]\nupper = [8, 6]\n', ROUNDING),
+        ('[[unsafe]]\nname = "door"\nlower = [5.91, 4]\nupper = [7, 6]\nduring = [50, 60]\n', ROUNDING),
+        ('[[unsafe]]\nname = "crate"\nlower = [5.92, 0]\nupper = [7, 6]\n', "crate is 0.02 from it, the clearance 0.05"),
+        ('[[unsafe]]\nname = "post"\ncentre = [6, 5]\nradius = 0.07\n', "post is 0.03 from it, the clearance 0.05"),
+        (
+            '[[unsafe]]\nname = "cart"\nlower = [20, 4]\nupper = [21, 5]\n'
+            "motion = [{ at = 0, by = [-14.06, 0] }, { at = 50, by = [0, 0] }]\n",
+            "cart is 0.04 from it, the clearance 0.05",
+        ),
+    ],
+)
+def test_the_note_on_starts_that_are_left_out_names_the_set_or_the_rounding(sets: str, cause: str) -> None:
+    """A set is a cause only where it is nearer than the clearance at t = 0."""
+    report = design_report(build_once(parse_task(HALL + sets)), 0.0)
+    assert not report.covers_initial_set
+    assert report.start_cause == cause
 
 
 def test_no_warning_of_a_library_reaches_a_person() -> None:

@@ -359,7 +359,7 @@ def test_the_checker_refuses_a_clock_that_is_turned_back_wrongly(
     controller = watchman_controller()
     text = controller.files[file].decode()
     assert old in text
-    files = controller.files | {file: text.replace(old, new).encode()}
+    files = {**controller.files, file: text.replace(old, new).encode()}
     document = json.loads(files["watchman.certificate.json"])
     if file in document["sha256"]:
         document["sha256"][file] = hashlib.sha256(files[file]).hexdigest()

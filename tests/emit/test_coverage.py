@@ -6,6 +6,7 @@ import ctypes
 import gzip
 import json
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -124,7 +125,7 @@ def test_a_branch_that_no_vector_takes_is_reported(tool, tmp_path) -> None:
     old = "const omni_s2_real started = positive ? t : 0.0F;"
     assert old in text
     mutated = text.replace(old, "const omni_s2_real started = (positive ? t : 0.0F) + ((t < 4.5F) && (t > 4.5F) ? 1.0F : 0.0F);")
-    controller.files["omni_s2.c"] = mutated.encode()
+    controller = replace(controller, files={**controller.files, "omni_s2.c": mutated.encode()})
     not_taken = branches_not_taken(controller, tmp_path, tool("gcc"), tool("gcov"))
     assert len(not_taken) == 1
     assert "started" in not_taken[0]

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import copy
+import hashlib
 import json
 import os
+import pickle
 import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,6 +20,7 @@ from stt_codegen.cli.options import PACKAGES
 from stt_codegen.errors import BadInput
 from stt_codegen.files import write_files
 from stt_codegen.record.check import check, describe_numbers
+from stt_codegen.record.manifest import hash_of_inputs, record
 from stt_codegen.record.overwriting import refuse_to_overwrite_certified
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.task.load import load_task
@@ -54,7 +59,7 @@ def test_generated_bytes_do_not_depend_on_process_folder_or_environment(name: st
 
 
 def test_the_committed_files_are_what_the_tool_writes() -> None:
-    assert check(ROOT / "generated") == []
+    assert check(ROOT / "generated").differences == ()
 
 
 @pytest.fixture
@@ -95,7 +100,7 @@ def test_missing_extra_and_line_end_changes_are_noticed(recorded) -> None:
     (folder / "empty.h").unlink()
     (folder / "extra.c").write_text("int x;\n")
     (folder / "empty.c").write_bytes((folder / "empty.c").read_bytes().replace(b"\n", b"\r\n"))
-    differences = {(d.path.rsplit("/", 1)[1], d.problem) for d in check(recorded / "generated")}
+    differences = {(d.path.rsplit("/", 1)[1], d.problem) for d in check(recorded / "generated").differences}
     assert ("empty.h", "is missing") in differences
     assert ("extra.c", "is not recorded in the manifest; delete it (--accept leaves it alone)") in differences
     assert ("empty.c", "differs") in differences
@@ -157,6 +162,58 @@ def test_a_failed_write_leaves_the_old_files_unchanged(tmp_path, monkeypatch) ->
     with pytest.raises(BadInput, match="No space left"):
         write_files(tmp_path, {"a.c": b"new a", "b.c": b"new b"})
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == {"a.c": b"old a", "b.c": b"old b"}
+
+
+def altered(controller, name: str):
+    """Return the controller with one more space at the end of a file."""
+    return replace(controller, files={**controller.files, name: controller.files[name] + b" "})
+
+
+def test_files_of_a_controller_cannot_be_changed_and_can_be_copied_and_pickled() -> None:
+    controller = controller_of("omni_s2")
+    contents = {name: bytes(data) for name, data in controller.files.items()}
+    changes = {
+        "assigned": lambda files: files.__setitem__("omni_s2.c", b""),
+        "deleted": lambda files: files.__delitem__("omni_s2.c"),
+        "updated": lambda files: files.update({"omni_s2.c": b""}),
+        "popped": lambda files: files.pop("omni_s2.c"),
+        "cleared": lambda files: files.clear(),
+    }
+    for change in changes.values():
+        with pytest.raises((TypeError, AttributeError)):
+            change(controller.files)
+    contents_before = dict(contents)
+    copied = replace(controller, files=contents_before)
+    contents_before["omni_s2.c"] = b""
+    for files in (
+        controller.files,
+        copied.files,
+        copy.copy(copied.files),
+        copy.deepcopy(copied.files),
+        pickle.loads(pickle.dumps(copied)).files,
+    ):
+        assert files == contents
+        assert type(files) is type(controller.files)
+
+
+@pytest.mark.parametrize("name", ["omni_s2.c", "omni_s2.h", "omni_s2.py"])
+def test_an_altered_file_is_not_written_beside_its_certificate(name: str, tmp_path) -> None:
+    """By no way: neither as files, nor recorded, nor in a package of any kind."""
+    controller = altered(controller_of("omni_s2"), name)
+    message = f"{name}: is not what omni_s2.certificate.json is about"
+    with pytest.raises(BadInput, match=message):
+        write_files(tmp_path / "plain", controller.files)
+    with pytest.raises(BadInput, match=message):
+        record(tmp_path / "recorded", ROOT / "tasks" / "omni_s2.toml", controller, False)
+    for kind in KINDS:
+        with pytest.raises(BadInput, match=message):
+            package(controller, kind)
+    assert not list(tmp_path.rglob("*.*"))
+    files = package(controller_of("omni_s2"), "cmake")
+    with pytest.raises(BadInput, match="is not what omni_s2/extras/omni_s2.certificate.json is about"):
+        write_files(tmp_path, files | {"omni_s2/src/omni_s2.c": b"int quick;"})
+    without = {path: data for path, data in controller.files.items() if not path.endswith(".json")}
+    write_files(tmp_path, without)  # nothing vouches for it
 
 
 def test_nothing_is_written_when_one_of_several_tasks_is_refused(tmp_path) -> None:
@@ -349,7 +406,7 @@ write_files(Path(sys.argv[2]), files)
 def test_a_run_killed_between_renames_leaves_a_complete_set_or_no_certificate(renamed: int, tmp_path) -> None:
     from stt_codegen.checker import check_files
 
-    old, new = tmp_path / "old.toml", tmp_path / "new.toml"
+    old, new = tmp_path / "old.toml", tmp_path / "second.toml"
     text = (ROOT / "tasks" / "empty.toml").read_text()
     old.write_text(text)
     new.write_text(text.replace("prescribed_time = 4.0", "prescribed_time = 5.0"))
@@ -441,3 +498,118 @@ def test_a_unit_that_is_packed_to_a_thousandth_is_not_unpacked_whole(tmp_path, m
     with zipfile.ZipFile(tmp_path / "empty.fmu", "w", zipfile.ZIP_DEFLATED) as unit:
         unit.writestr("resources/empty.certificate.json", b'{"certified": true, "task": "' + b"x" * 10_000_000 + b'"}')
     refuse_to_overwrite_certified(tmp_path, {"empty.fmu": b""})  # what is larger than any certificate is none
+
+
+FOLDER = "empty/refined/float"
+
+
+def edit_task(root: Path) -> None:
+    task = root / "tasks" / "empty.toml"
+    task.write_text(task.read_text().replace("upper = [1.0, 1.0]", "upper = [1.0, 0.99]"))
+
+
+def edit_c(root: Path) -> None:
+    path = root / "generated" / FOLDER / "empty.c"
+    path.write_bytes(path.read_bytes() + b"\n")
+
+
+def remove_header(root: Path) -> None:
+    (root / "generated" / FOLDER / "empty.h").unlink()
+
+
+def record_older_tool(root: Path) -> None:
+    """Leave the folder as a tool that printed one more line would have recorded it."""
+    edit_c(root)
+    path = root / "generated" / "MANIFEST.json"
+    document = json.loads(path.read_text())
+    data = (root / "generated" / FOLDER / "empty.c").read_bytes()
+    document["folders"][FOLDER]["sha256"]["empty.c"] = hashlib.sha256(data).hexdigest()
+    path.write_text(json.dumps(document))
+
+
+def drop_hash(root: Path) -> None:
+    """Leave the manifest as a tool without hashes of tasks wrote it."""
+    path = root / "generated" / "MANIFEST.json"
+    document = json.loads(path.read_text())
+    del document["folders"][FOLDER]["inputs_sha256"]
+    path.write_text(json.dumps(document))
+
+
+TASK_CHANGED, TOOL_CHANGED = "its task tasks/empty.toml changed", "the tool changed, with the versions that are recorded"
+UNKNOWN = "its task tasks/empty.toml or the tool changed; the manifest has no hash of the task, --accept adds it"
+
+
+@pytest.mark.parametrize(
+    ("edits", "expected"),
+    [
+        ([edit_task], TASK_CHANGED),
+        ([edit_c], "empty.c edited"),
+        ([remove_header], "empty.h missing"),
+        ([record_older_tool], TOOL_CHANGED),
+        ([edit_task, edit_c], f"empty.c edited; {TASK_CHANGED}"),
+        ([record_older_tool, remove_header], f"empty.h missing; {TOOL_CHANGED}"),
+        ([drop_hash, edit_task], UNKNOWN),
+        ([drop_hash, edit_c], "empty.c edited"),
+    ],
+    ids=lambda value: "+".join(f.__name__ for f in value) if isinstance(value, list) else "",
+)
+def test_check_says_which_side_of_a_folder_changed(recorded, edits, expected: str) -> None:
+    for edit in edits:
+        edit(recorded)
+    lines = run_command("check", cwd=recorded).stdout.splitlines()
+    assert [line for line in lines if "since it was recorded" in line] == [f"{FOLDER}: since it was recorded: {expected}"]
+    (folder,) = json.loads(run_command("check", "--json", cwd=recorded).stdout)["folders"]
+    assert folder["task_changed"] is (None if drop_hash in edits else edit_task in edits)
+    assert bool(folder["edited"]) is (edit_c in edits)
+    assert folder["tool_changed"] is (None if edit_task in edits else record_older_tool in edits)
+    run_command("check", "--accept", cwd=recorded)
+    assert json.loads(run_command("check", "--json", cwd=recorded).stdout)["folders"] == []
+
+
+def test_a_comment_in_a_task_is_no_change_and_an_image_of_its_map_is_one(recorded, tmp_path) -> None:
+    task = recorded / "tasks" / "empty.toml"
+    before = hash_of_inputs(task)
+    task.write_text("# a comment\n" + task.read_text())
+    assert hash_of_inputs(task) == before
+    (tmp_path / "hall.pgm").write_bytes(b"P5 2 2 255\n" + bytes([254] * 4))
+    header = "image: hall.pgm\nresolution: 1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    (tmp_path / "hall.yaml").write_text(header)
+    task.write_text(task.read_text() + '[map]\nfile = "../hall.yaml"\n')
+    with_map = hash_of_inputs(task)
+    assert with_map != before
+    (tmp_path / "hall.pgm").write_bytes(b"P5 2 2 255\n" + bytes([254, 254, 254, 0]))
+    assert hash_of_inputs(task) != with_map
+
+
+def test_tasks_that_were_never_recorded_are_named(recorded) -> None:
+    text = (recorded / "tasks" / "empty.toml").read_text()
+    (recorded / "tasks" / "second.toml").write_text(text.replace('"empty"', '"second"'))
+    (recorded / "tasks" / "damaged.toml").write_text('name = "damaged\n')
+    (recorded / "tasks" / "pyproject.toml").write_text("[tool.ruff]\n")
+    (recorded / "tasks" / "hall.task.toml").write_text(text)
+    result = run_command("check", cwd=recorded)
+    assert result.returncode == 0
+    assert re.findall(r"note: (\S+) was never recorded", result.stdout) == ["tasks/damaged.toml", "tasks/second.toml"]
+    assert json.loads(run_command("check", "--json", cwd=recorded).stdout)["unrecorded_tasks"] == [
+        "tasks/damaged.toml",
+        "tasks/second.toml",
+    ]
+    assert run_command("generate", "tasks/second.toml", "--record", "generated", cwd=recorded).returncode == 0
+    (recorded / "tasks" / "damaged.toml").unlink()
+    assert "never recorded" not in run_command("check", cwd=recorded).stdout
+
+
+def test_a_task_that_is_refused_now_is_a_difference_and_hides_no_other(recorded) -> None:
+    (recorded / "tasks" / "second.toml").write_text(
+        (recorded / "tasks" / "empty.toml").read_text().replace('"empty"', '"second"')
+    )
+    assert run_command("generate", "tasks/second.toml", "--record", "generated", cwd=recorded).returncode == 0
+    task = recorded / "tasks" / "empty.toml"
+    task.write_text(task.read_text().replace("upper = [1.0, 1.0]", "upper = [0.0, 1.0]"))
+    path = recorded / "generated" / "second" / "refined" / "float" / "second.c"
+    path.write_bytes(path.read_bytes() + b"\n")
+    result = run_command("check", cwd=recorded)
+    assert result.returncode == 1
+    assert f"{FOLDER}: is not made any more: " in result.stdout
+    assert f"{FOLDER}: since it was recorded: {TASK_CHANGED}" in result.stdout
+    assert "second/refined/float: since it was recorded: second.c edited" in result.stdout

@@ -317,7 +317,7 @@ def test_an_initial_state_outside_the_share_is_refused() -> None:
         ({"emit": {"tick_period": "0.002"}, "control": {"period": "0.001"}}, "emit.tick_period: is 0.002, above control.period"),
         ({"control": {"gain": ["0.5", "-0.5"]}}, r"control.gain\[1\]: is -0.5; all gains must have one sign"),
         ({"control": {"gain": "auto"}}, "needs control.period"),
-        ({"control": {"noise": "0.1"}}, r"control.noise: unknown key; it belongs to \[plant\]"),
+        ({"control": {"noise": "0.1"}}, r"control.noise: stands in \[control\]; move it to \[plant\]"),
         ({"control": {"perod": "0.1"}}, "did you mean 'period'"),
     ],
 )

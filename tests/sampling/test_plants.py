@@ -212,7 +212,9 @@ def test_a_proposed_plant_table_is_valid_and_covers_the_plant(order: int) -> Non
         task = with_table(text.replace("gain = 0.5", f"gain = {0.5 * sign}"), ("[plant]", f"order = {order}"))
         plant = draw_plant(draw, order)
         bounds = [PlantEnclosure(plant, 2, sign, order).over(box)]
-        proposal = propose_bounds(task, bounds, plant.w_max, lambda p=plant, s=sign: [PlantEnclosure(p, 2, -s, order).over(box)])
+        proposal = propose_bounds(
+            task, bounds, plant.w_max, lambda p=plant, s=sign: [PlantEnclosure(p, 2, -s, order).over(box)], [0.0]
+        )
         if proposal.reason:
             reasons.add(re.search(r"would be|greater than 0; use|greater than 0$", proposal.reason)[0])
             assert not proposal.lines
@@ -228,15 +230,50 @@ def test_a_bound_that_does_not_cover_the_plant_is_named_with_its_value() -> None
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
     bounds = [PlantEnclosure(PLANTS["arm"], 2, 1).over([(0.1, 0.6), (-0.3, 0.4)])]
     task = with_table(text, ("[plant]",))
-    lines = propose_bounds(task, bounds, Fraction(0), lambda: bounds).lines
+    lines = propose_bounds(task, bounds, Fraction(0), lambda: bounds, [0.0]).lines
     for name, beginning in (("f_max", "|f + w| of"), ("g_max", "g_ii of"), ("g_cross", "|g_ij| of"), ("g_min", "g_ii of")):
         value = float(next(line for line in lines if line.startswith(name)).partition("= ")[2])
         too_weak = value * 1.4 if name == "g_min" else value / 1.4
-        uncovered = uncovered_bounds(
-            with_table(text, tuple(f"{name} = {too_weak:.6g}" if v.startswith(name) else v for v in lines)), bounds
-        )
+
+        def uncovered_with(number: float, name: str = name) -> list[str]:
+            stated = tuple(f"{name} = {number:.6g}" if v.startswith(name) else v for v in lines)
+            return uncovered_bounds(with_table(text, stated), bounds)
+
+        uncovered = uncovered_with(too_weak)
         assert uncovered
-        assert all(line.startswith(beginning) and line.endswith(f"{too_weak:.6g} is stated") for line in uncovered), uncovered
+        assert all(line.startswith(beginning) and f"{too_weak:.6g} is stated, " in line for line in uncovered), uncovered
+        advised = [float(re.search(rf"plant\.{name} = (\S+) would do$", line)[1]) for line in uncovered]
+        assert uncovered_with((min if name == "g_min" else max)(advised)) == []
+
+
+def test_bounds_with_an_unknown_payload_are_near_the_sampled_ones() -> None:
+    """Of the arm with 0 to 0.3 kg in its hand: every sample is within them, and none is wider than 1.6 times the samples."""
+    plant, box, drift = plant_of(str(ROOT / "tasks" / "arm.py"), 2, 2), [(-0.3, 0.3), (0.5, 1.1), (-1, 1), (-1, 1)], [0.02, 0.02]
+    bounds, function, draw = PlantEnclosure(plant, 2, 1, 2).over(box, drift), model(plant, 2, 2), random.Random(4)
+
+    def value(low: float, high: float) -> float:
+        return draw.choice([low, high, draw.uniform(low, high)])
+
+    disturbance, cross = np.zeros(2), np.zeros((2, 2))
+    for _ in range(3000):
+        state, drifts = [value(*side) for side in box], [value(-d, d) for d in drift]
+        f, g = function([*state, value(0, 0.3), *(x + d for x, d in zip(state, drifts, strict=False))])
+        disturbance = np.maximum(disturbance, np.abs(np.array(f).ravel()) + float(plant.w_max))
+        cross = np.maximum(cross, np.abs(np.array(g)) * (1 - np.eye(2)))
+    assert (disturbance <= bounds.disturbance).all()
+    assert (cross <= bounds.cross).all()
+    assert (bounds.disturbance <= 1.6 * disturbance).all(), (bounds.disturbance, disturbance)
+    assert bounds.cross[1, 0] <= 1.3 * cross[1, 0], (bounds.cross, cross)
+
+
+def test_where_no_bound_is_known_the_axis_and_the_time_are_said() -> None:
+    """1/x over a box with 0 in it: the second window is the first with such a box."""
+    plant = Plant(name="pole", dimension=2, drift=lambda x: [0, 1 / x[1]], input_matrix=lambda _: [[1, 0], [0, 1]])
+    enclosure = PlantEnclosure(plant, 2, 1)
+    bounds = [enclosure.over([(1, 2), (1, 2)]), enclosure.over([(1, 2), (-1, 2)])]
+    proposal = propose_bounds(controller_of("omni_s2").task, bounds, Fraction(0), lambda: bounds, [0.0, 2.5])
+    assert proposal.reason.startswith("no bound on f of dimension 2 is known over the tube at t = 2.5 s: a divisor may be 0")
+    assert not proposal.lines
 
 
 def prove(path: Path, *arguments: str) -> dict[str, Any]:

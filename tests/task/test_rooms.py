@@ -131,7 +131,7 @@ def test_design_and_generate_print_the_number_of_sets_of_an_outline(tmp_path: Pa
     generated = run_command("generate", str(tmp_path / "ell.toml"), "--record", str(tmp_path / "generated"))
     assert generated.returncode == 0
     assert "less 1 convex unsafe set, wall1" in generated.stderr
-    assert check(tmp_path / "generated") == []
+    assert check(tmp_path / "generated").differences == ()
 
 
 def test_python_tables_arrays_and_changed_give_the_same_task() -> None:

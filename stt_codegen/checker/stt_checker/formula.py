@@ -17,6 +17,13 @@ ZERO = Fraction(0)
 FORMULA_LIMIT = 10_000  # parts of a formula whose negation is written out
 CYCLE_LIMIT = 1_000  # of a tube that repeats, which a formula may look ahead
 PRECEDENCE = ("->", "or", "and", "until")
+SPELLINGS = {  # of each operator, in small letters
+    "->": "implies =>", "<->": "iff <=>", "or": "|| | \\/", "and": "&& & /\\", "until": "u until_", "not": "! ~",
+    "always": "g globally alw alw_", "eventually": "f finally ev ev_",
+}  # fmt: skip
+OPERATOR = {word: sign for sign, words in SPELLINGS.items() for word in (sign, *words.split())}
+UNITS = {"s": Fraction(1), "ms": Fraction(1, 10**3), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}
+TOKEN = r"<->|<=>|->|=>|&&|\|\||/\\|\\/|[A-Za-z]\w*|\d+(?:\.\d+)?(?:[eE][+-]?\d+)?|\S"
 WORDS = (*PRECEDENCE, "always", "eventually", "not", "inf")
 DUAL = {"in": "out", "out": "in", "and": "or", "or": "and", "always": "eventually", "eventually": "always"}
 
@@ -48,62 +55,87 @@ def size(f: Formula) -> int:
     return 1 + sum(size(p) for p in f[1:] if isinstance(p, tuple) and isinstance(p[0], str))
 
 
+def joins(word: str) -> str:
+    """Return the operator between two formulas that a word is; an empty text for none."""
+    sign = OPERATOR.get(word.lower(), "")
+    return sign if sign in (*PRECEDENCE, "<->") else ""
+
+
+def seconds(words: list[str]) -> Fraction:
+    """Read a number of seconds, perhaps with a unit."""
+    value = Fraction(decimal(words.pop(0)))
+    return value * UNITS[words.pop(0)] if words[0] in UNITS else value
+
+
+def expect(words: list[str], *allowed: str) -> None:
+    """Read one of the allowed words."""
+    if words.pop(0) not in allowed:
+        raise Unusable(f"a formula of the mission lacks a {allowed[0]!r}")
+
+
+def window(words: list[str]) -> Interval:
+    """Read [from, to]; without it the window has no end."""
+    if words[0] != "[":
+        return ZERO, math.inf
+    words.pop(0)
+    begin = seconds(words)
+    expect(words, ",", ":")
+    if words[0] == "inf":
+        words.pop(0)
+        expect(words, "]", ")")
+        return begin, math.inf
+    end = seconds(words)
+    expect(words, "]")
+    if end < begin:
+        raise Unusable("a formula of the mission has a window that ends before it begins")
+    return begin, end
+
+
 def parse(text: Any) -> Formula:
     """Read a formula by recursive descent."""
     if not isinstance(text, str):
         raise Unusable("a formula is no text")
-    words = [*re.findall(r"->|[A-Za-z]\w*|\d+(?:\.\d+)?(?:[eE][+-]?\d+)?|\S", text), ""]
-
-    def expect(word: str) -> None:
-        if words.pop(0) != word:
-            raise Unusable(f"the formula {text!r:.80} lacks a {word!r}")
-
-    def window() -> Interval:
-        """Read [from, to]; without it the window has no end."""
-        if words[0] != "[":
-            return ZERO, math.inf
-        words.pop(0)
-        begin = Fraction(decimal(words.pop(0)))
-        expect(",")
-        word = words.pop(0)
-        end = math.inf if word == "inf" else Fraction(decimal(word))
-        expect("]")
-        if end < begin:
-            raise Unusable(f"the formula {text!r:.80} has a window that ends before it begins")
-        return begin, end
+    words = [*re.findall(TOKEN, text), ""]
 
     def binary(level: int) -> Formula:
         """Read formulas that are joined by an operator of this level or a later one of PRECEDENCE."""
         if level == len(PRECEDENCE):
             return unary()
-        sign, f = PRECEDENCE[level], binary(level + 1)
-        while words[0] == sign:
+        signs, f = ("->", "<->") if level == 0 else (PRECEDENCE[level],), binary(level + 1)
+        while (sign := joins(words[0])) in signs:
             words.pop(0)
             if sign == "->":
                 f = joined("or", negated(f), binary(level))
+            elif sign == "<->":
+                last = binary(level + 1)
+                f = joined("and", joined("or", negated(f), last), joined("or", negated(last), f))
+                if size(f) > FORMULA_LIMIT:
+                    raise Unusable("a formula has more <-> than can be checked in good time")
             elif sign == "until":
-                f = ("until", window(), f, binary(level + 1))
+                f = ("until", window(words), f, binary(level + 1))
             else:
                 f = joined(sign, f, binary(level + 1))
         return f
 
     def unary() -> Formula:
         """Read a region, a negation, an operator of time, or what is in brackets."""
-        word = words.pop(0)
-        if word == "not":
+        word = words.pop(0)  # a word such as G is an operator where a formula or a window follows it, as none follows a region
+        is_followed = bool(re.match(r"[A-Za-z(\[!~]", words[0])) and not joins(words[0])
+        sign = OPERATOR.get(word.lower()) if word in WORDS or word in "!~" or is_followed else None
+        if sign == "not":
             return negated(unary())
-        if word in ("always", "eventually"):
-            return (word, window(), unary())
+        if sign in ("always", "eventually"):
+            return (sign, window(words), unary())
         if word == "(":
             f = binary(0)
-            expect(")")
+            expect(words, ")")
             return f
         if not re.fullmatch(r"[A-Za-z]\w*", word) or word in PRECEDENCE:
             raise Unusable(f"the formula {text!r:.80} has {word!r} where a region is needed")
         return ("in", word)
 
     f = binary(0)
-    expect("")
+    expect(words, "")
     return f
 
 

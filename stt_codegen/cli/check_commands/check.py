@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -16,7 +16,11 @@ def check(
     accept: Annotated[bool, typer.Option("--accept", help="write what the tool makes now, instead of comparing")] = False,
     json: Json = False,
 ) -> None:
-    """Build every recorded controller again and compare with the files on disk, both ways. Exit code 1 on any difference."""
+    """Build every recorded controller again and compare with the files on disk, both ways. Exit code 1 on any difference.
+
+    By hashes it says of each folder that differs whether task, files or tool changed, and it names tasks that were never
+    recorded.
+    """
     from stt_codegen.record import check as checks
 
     progress = (lambda name: say(f"  {name}")) if sys.stderr.isatty() else (lambda _: None)
@@ -27,29 +31,50 @@ def check(
             f"{folder}: {counted(written, 'folder')} written{note}"
         )
         return
-    differences = checks.check(folder, progress)
-    tools = checks.changed_tools(folder)
-    if json:
-        print_json(
-            {
-                "differences": [
-                    {"path": d.path, "what": d.problem, "numbers": d.numbers, "diff": list(d.diff)} for d in differences
-                ],
-                "changed_tools": tools,
-            }
-        )
-    else:
-        for d in differences:
-            print_line(f"{d.path}: {d.problem}" + (f" ({d.numbers})" if d.numbers else ""))
-            for line in d.diff:
-                print_line(f"    {line}")
-        for line in tools:
-            print_line(f"note: other version than recorded: {line}")
-        if differences:
-            count = counted(len(differences), "difference")
-            print()
-            print_line(f"{count}. To accept what the tool makes now:  stt-codegen check {folder} --accept")
-        else:
-            print_line(f"{folder}: {counted(checks.folder_count(folder), 'folder')}, no difference")
-    if differences:
+    result, tools = checks.check(folder, progress), checks.changed_tools(folder)
+    print_json(_document(result, tools)) if json else _show(folder, result, tools)
+    if result.differences:
         raise typer.Exit(1)
+
+
+def _document(result: Any, tools: list[str]) -> dict[str, Any]:
+    """Return the result as JSON data. tools: those with another version than recorded."""
+    return {
+        "differences": [
+            {"path": d.path, "what": d.problem, "numbers": d.numbers, "diff": list(d.diff)} for d in result.differences
+        ],
+        "folders": [
+            {
+                "folder": c.folder,
+                "task_changed": c.task_changed,
+                "tool_changed": c.tool_changed,
+                "edited": list(c.edited),
+                "missing": list(c.missing),
+            }
+            for c in result.changes
+        ],
+        "unrecorded_tasks": list(result.unrecorded_tasks),
+        "changed_tools": tools,
+    }
+
+
+def _show(folder: Path, result: Any, tools: list[str]) -> None:
+    """Print the differences, what changed of each folder, and tasks that were never recorded."""
+    from stt_codegen.record import check as checks
+
+    for d in result.differences:
+        print_line(f"{d.path}: {d.problem}" + (f" ({d.numbers})" if d.numbers else ""))
+        for line in d.diff:
+            print_line(f"    {line}")
+    for change in result.changes:
+        print_line(change.sentence(tools))
+    for line in tools:
+        print_line(f"note: other version than recorded: {line}")
+    for task in result.unrecorded_tasks:
+        print_line(f"note: {task} was never recorded; record it:  stt-codegen generate {task} --record {folder}")
+    if result.differences:
+        count = counted(len(result.differences), "difference")
+        print()
+        print_line(f"{count}. To accept what the tool makes now:  stt-codegen check {folder} --accept")
+    else:
+        print_line(f"{folder}: {counted(checks.folder_count(folder), 'folder')}, no difference")

@@ -13,6 +13,7 @@ from stt_codegen.decimals import by_component
 from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.mission_search import MissionSearch, search_of
 from stt_codegen.design.missions import Mission, Waypoints, describe_conflict, mission_of
+from stt_codegen.design.refusals.regions_at_once import excluded_regions
 from stt_codegen.design.spline_tubes import TubeSearch, segment_counts_of
 from stt_codegen.errors import Reason
 from stt_codegen.properties import Property
@@ -24,6 +25,9 @@ HasTube = Callable[[Task], bool]  # whether a tube within its limits is found fo
 
 def explain_unmet_mission(task: Task, arena: Arena) -> Reason:
     """Return why no tube carries out the mission."""
+    if excluded := excluded_regions(task):
+        problem, hint = excluded
+        return Reason(f"{Property.MISSION.label}: {problem}", hint, codes=(Property.MISSION.code,), has_remedy=False)
     mission = mission_of(task, arena)
     assert mission is not None
     search = search_of(arena, starting_box(arena), segment_counts_of(task, arena), mission)

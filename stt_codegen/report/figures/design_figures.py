@@ -21,7 +21,7 @@ from stt_codegen.program.targets.c.runner import STRICT, find_compiler
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import SamplingReport, round_up
 from stt_codegen.report.figures.control_notes import choice_lines, control_notes
-from stt_codegen.report.notes import controller_notes
+from stt_codegen.report.notes import controller_notes, start_rim_cause
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +73,7 @@ class DesignReport:
 
     seconds: how long the design took. parameters: how many numbers fix the tube, in words. picture: path of its picture. mission:
     when each entry is served. cycle: from and until when, in seconds, the tube repeats. notes: see report/notes.py.
-    start_left_out: by axis, how far gamma(0) is inside the initial set.
+    start_left_out: by axis, how far gamma(0) is inside the initial set; start_cause: why, where a rim of it is not covered.
     """
 
     task: str
@@ -97,6 +97,7 @@ class DesignReport:
     cycle: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
     start_left_out: tuple[float, ...] = ()
+    start_cause: str = ""
 
     def with_picture(self, path: Path) -> DesignReport:
         """Return the report with the path of its picture."""
@@ -107,7 +108,7 @@ class DesignReport:
         data = {"least_width" if key == "smallest_width" else key: value for key, value in asdict(self).items()}
         sampling = self.input.sampling
         data["input"]["sampling"] = None if sampling is None else sampling.document()
-        return {k: v for k, v in data.items() if v or k not in ("picture", "mission", "cycle", "notes")}
+        return {k: v for k, v in data.items() if v or k not in ("picture", "mission", "cycle", "notes", "start_cause")}
 
 
 def design_report(controller: EmittedController, seconds: float) -> DesignReport:
@@ -150,6 +151,7 @@ def design_report(controller: EmittedController, seconds: float) -> DesignReport
             round_up(float(max(low - a, b - high, Fraction(0))))
             for (low, high), a, b in zip(certificate.start, task.start.lower, task.start.upper, strict=True)
         ),
+        start_cause="" if certificate.covers_initial_set or certificate.method != "exact" else start_rim_cause(controller),
     )
 
 

@@ -55,9 +55,10 @@ def structure_problem(task: TaskTables) -> str | None:
 
 
 def _name_problem(task: TaskTables) -> str | None:
+    """Return a message where the task's name is one that files or identifiers may not have, else None."""
     name = task.name
     if name.lower() in DEVICES:
-        return f"name: {name!r} is a device of Windows, where no file can be called so; choose another"
+        return f"name: {name!r} is a device of Windows, where no file {name}.c can be; choose another"
     for target in targets_of(task.emit):
         option = f" (emit.{target.key})" if target.option else ""
         if name in target.words:

@@ -110,6 +110,8 @@ def _entry_problem(task: TaskTables, entry: MissionEntry, known: dict[str, Unsaf
     for leaf in regions_of(meaning):
         if leaf.region not in known:
             field = next((n for n in ("visit", "then", "never", "before") if getattr(entry, n) == leaf.region), form)
+            if form == "formula" and leaf.region.lower() in ("true", "false"):
+                return f".formula: {leaf.region!r} is no region; for `true until g` write eventually g, else leave it out"
             return f".{field}: {leaf.region!r} is no region; known are {', '.join(known) or 'none, add [[region]]'}"
         if not leaf.is_negated and (member := _member_without_half_spaces(known, leaf.region)):
             return f".{form}: {member} can only be avoided, as every capsule; to be in, give any_of of balls, or vertices"

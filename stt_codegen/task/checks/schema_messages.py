@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import difflib
+from collections.abc import Sequence
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from stt_codegen.task.keys import tables_in
+from stt_codegen.task.keys import TOP, TableOfKeys, all_tables, similar_key, tables_in
 from stt_codegen.task.sets import SET_TABLES, fields_of_shape
 from stt_codegen.task.values import ADD_IT, MAX_LABEL, MAX_NAME, kind_of
 
@@ -29,21 +28,34 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
     """Return the message for the first field that pydantic refuses. model: the table that was validated."""
     errors = error.errors(include_url=False)
     first = errors[0]
-    if first["type"] == "missing":  # perhaps its key is misspelt; then the unknown key is the one to report
+    if first["type"] == "missing":  # perhaps its key is misspelt, or stands elsewhere; then the unknown key is the one to report
         table, missing = first["loc"][:-1], str(first["loc"][-1])
-        unknown_keys = (e for e in errors if e["type"] == "extra_forbidden" and e["loc"][:-1] == table)
-        first = next((e for e in unknown_keys if missing in _close(e["loc"], model)), first)
+        unknown_keys = [e for e in errors if e["type"] == "extra_forbidden" and not _is_of_shape(e["loc"])]
+        misspelt = (e for e in unknown_keys if e["loc"][:-1] == table and _is_similar(e["loc"], model, missing))
+        misplaced = (e for e in unknown_keys if e["loc"][-1] == missing)
+        first = next((e for keys in (misspelt, misplaced, unknown_keys) for e in keys), first)
     field = _field(first["loc"])
     if first["type"] == "missing":
         return _missing_message(field, first)
     if first["type"] == "extra_forbidden":
-        return f"{field}: {_unknown_key_message(first['loc'], model)}"
+        return _unknown_key_message(field, first, model)
     return f"{field}: {_value_message(field, first)}"
+
+
+def _is_of_shape(location: tuple[int | str, ...]) -> bool:
+    """Return whether a field is one of those that give an unsafe set its shape."""
+    return location[0] == "unsafe" and location[-1] in SHAPE_FIELDS
+
+
+def _is_similar(location: tuple[int | str, ...], model: type[BaseModel], missing: str) -> bool:
+    """Return whether the unknown key at a location may be the misspelt missing one of its table."""
+    similar = similar_key(str(location[-1]), _known_keys(location, model))
+    return similar is not None and similar.table is None and similar.key == missing
 
 
 def _missing_message(field: str, error: ErrorDetails) -> str:
     """Return the message for a missing field; where it is one of a set's shape, for the shape."""
-    is_of_shape = error["loc"][0] == "unsafe" and error["loc"][-1] in SHAPE_FIELDS
+    is_of_shape = _is_of_shape(error["loc"])
     keys = SHAPE_FIELDS & set(error["input"]) if is_of_shape else set()
     if is_of_shape and not any(keys & set(fields) and keys <= set(fields) for fields in FIELDS_BY_SHAPE):
         problem = f"says two shapes ({', '.join(sorted(keys))})" if keys else "says no shape"
@@ -51,18 +63,48 @@ def _missing_message(field: str, error: ErrorDetails) -> str:
     return f"{field}: is missing; {ADD_IT}"
 
 
-def _unknown_key_message(location: tuple[int | str, ...], model: type[BaseModel]) -> str:
-    """Return the message for a key that its table does not have: a similar key, the table that has it, or the known keys."""
-    if location[0] == "unsafe" and location[-1] in SHAPE_FIELDS:
-        return f"stands beside fields of another shape; a set has one, {SHAPES}"
+def _unknown_key_message(field: str, error: ErrorDetails, model: type[BaseModel]) -> str:
+    """Return the message for a key that its table does not have, or for a set with the fields of two shapes."""
+    location = error["loc"]
+    if _is_of_shape(location):
+        return f"{field}: stands beside fields of another shape; a set has one, {SHAPES}"
     if location == ("control", "u_min"):
-        return f"unknown key; {ONE_SIGN_REMEDY}"
-    if close := _close(location, model):
-        return f"unknown key; did you mean {close[0]!r}?"
-    table = next((name for name, f in model.model_fields.items() if str(location[-1]) in _keys(f.annotation)), None)
-    if table is not None:
-        return f"unknown key; it belongs to [{table}]"
-    return f"unknown key; known keys here are {', '.join(_known_keys(location, model))}"
+        return f"{field}: unknown key; {ONE_SIGN_REMEDY}"
+    names = [part for part in location[:-1] if isinstance(part, str) and not part.startswith("<")]
+    table = TableOfKeys(".".join(names), any(isinstance(part, int) for part in location), tuple(_known_keys(location, model)))
+    key = str(location[-1])
+    return describe_unknown_key(field, key, table, error["input"])
+
+
+def describe_unknown_key(field: str, key: str, table: TableOfKeys, value: object) -> str:
+    """Return the message for a key that its table does not have: where it belongs, a similar key, or the known keys.
+
+    field: the key as messages write it; table: where it stands, with the keys known there; value: what the key has.
+    """
+    similar = similar_key(key, table.keys)
+    homes = [home for home in all_tables() if key in home.keys]
+    if homes and _is_table(value):
+        return f"{field}: stands {table.position}; write {_either([home.heading_of(key) for home in homes])}"
+    if homes:
+        destinations = [home.heading if home.heading == TOP else f"to {home.heading}" for home in homes]
+        is_near = similar is not None and similar.table is None
+        return f"{field}: stands {table.position}; move it {_either(destinations)}" + (
+            f", or did you mean {similar.key!r}?" if similar and is_near else ""
+        )
+    if similar is None:
+        return f"{field}: unknown key; known keys here are {', '.join(table.keys)}"
+    home = "" if similar.table is None else f", {similar.table.position}"
+    return f"{field}: unknown key; did you mean {similar.key!r}{home}?"
+
+
+def _either(names: Sequence[str]) -> str:
+    """Join names by commas and "or"."""
+    return " or ".join([*([", ".join(names[:-1])] if names[:-1] else []), names[-1]])
+
+
+def _is_table(value: object) -> bool:
+    """Return whether a value is a table of TOML, or a list of them."""
+    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and all(isinstance(v, dict) for v in value))
 
 
 def _value_message(field: str, error: ErrorDetails) -> str:
@@ -86,8 +128,8 @@ def _value_message(field: str, error: ErrorDetails) -> str:
         return f"is {value}; it must be {'at least' if kind == 'greater_than_equal' else 'at most'} {bound}"
     needed = {
         "literal_error": f"use one of {context.get('expected')}",
-        "model_type": "a table is needed",
-        "model_attributes_type": "a table is needed",
+        "model_type": f"a table [{field}] is needed",
+        "model_attributes_type": f"a table [{field}] is needed",
         "tuple_type": f"a list of tables [[{field}]] is needed",
         "bool_type": "use true or false, without quotes",
         "string_type": "text in quotes is needed",
@@ -107,20 +149,10 @@ def _two_ends(value: object) -> tuple[float, float] | None:
         return None
 
 
-def _keys(annotation: Any) -> set[str]:
-    """Return the keys of the tables that a field's type is made of."""
-    return {name for table in tables_in(annotation) for name in table.model_fields}
-
-
 def _quoted(value: object) -> str:
     """Return a value in quotes, a long one cut."""
     text = str(value)
     return repr(text) if len(text) <= MAX_NAME else f"{text[:MAX_NAME]!r}.. ({len(text)} characters)"
-
-
-def _close(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
-    """Return the known key most similar to an unknown one, in a list; an empty list where none is similar."""
-    return difflib.get_close_matches(str(location[-1]), _known_keys(location, model), 1)
 
 
 def _field(location: tuple[int | str, ...]) -> str:

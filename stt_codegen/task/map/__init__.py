@@ -2,7 +2,7 @@
 
 from stt_codegen.task.map.convex_pieces import Piece, count_free_cells_in, cover_cells
 from stt_codegen.task.map.floor_plans import FloorPlan, expand_outline, name_walls
-from stt_codegen.task.map.map_table import expand_maps, input_files, to_toml
+from stt_codegen.task.map.map_table import expand_maps, input_files, require_map_table, to_toml
 from stt_codegen.task.map.occupancy import OccupancyMap, PieceKind, read_map
 from stt_codegen.task.map.polygons import Point, touching_sides, twice_area
 from stt_codegen.task.map.upright import write_upright_map
@@ -20,6 +20,7 @@ __all__ = [
     "input_files",
     "name_walls",
     "read_map",
+    "require_map_table",
     "to_toml",
     "touching_sides",
     "twice_area",

@@ -23,13 +23,14 @@ from typing import Any, NamedTuple
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput, about
 from stt_codegen.files import parse_toml
+from stt_codegen.task.checks import describe_unknown_key
+from stt_codegen.task.keys import MAP_KEYS, TableOfKeys
 from stt_codegen.task.map.map_yaml import read_header
 from stt_codegen.task.map.occupancy import FREE_RULES, KINDS, FreeRule, PieceKind, read_map
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.task_text import read_task_text
 from stt_codegen.task.values import kind_of
 
-KEYS = ("file", "axes", "as", "free")
 PLANE = 2
 MAX_MAPS = 16
 
@@ -51,13 +52,14 @@ class Expansion(NamedTuple):
     notes: tuple[str, ...]
 
 
-def table_of(value: Any) -> MapTable:
-    """Return the checked table of a value. Raises `BadInput` where it is no table [map]."""
+def require_map_table(value: Any) -> MapTable:
+    """Check the table of a value, and return it. Raises `BadInput` where it is no table [map]."""
     if not isinstance(value, dict):
         raise BadInput(f"map: is {kind_of(value)}; a table is needed")
     for name in value:
-        if name not in KEYS:
-            raise BadInput(f"map.{name}: unknown key; known keys here are {', '.join(KEYS)}")
+        if name not in MAP_KEYS:
+            table = TableOfKeys("map", False, MAP_KEYS)
+            raise BadInput(describe_unknown_key(f"map.{name}", name, table, value[name]))
     axes, kind, free_rule = value.get("axes"), value.get("as", "boxes"), value.get("free", "white")
     if axes is not None and not (isinstance(axes, list) and len(axes) == PLANE and all(isinstance(v, str) for v in axes)):
         raise BadInput(f"map.axes: is {axes!r:.60}; the names of two dimensions are needed")
@@ -71,7 +73,7 @@ def table_of(value: Any) -> MapTable:
 def input_files(path: Path) -> list[Path]:
     """Return the task file, its maps and their images, which no output may replace. path: a task file that was read before."""
     value = parse_toml(read_task_text(path)).get("map")
-    maps = [] if value is None else [path.parent / file for file in table_of(value).files]
+    maps = [] if value is None else [path.parent / file for file in require_map_table(value).files]
     return [path, *maps, *(read_header(file).image for file in maps)]
 
 
@@ -95,7 +97,7 @@ def expand_maps(document: dict[str, Any], task: TaskTables, folder: Path) -> Exp
     """Return the data of a task with the unsafe sets of its maps in place of [map]. task: the task without [map]."""
     from stt_codegen.task.map.convex_pieces import cover_cells, require_cover, unsafe_cells_in, unsafe_tables, window_near
 
-    table = table_of(document["map"])
+    table = require_map_table(document["map"])
     names = _axes_of_map(table, task)
     indices = [task.axis_names.index(name) for name in names]
     axes = names if task.dimension > PLANE or indices != [0, 1] else None

@@ -1,14 +1,15 @@
 """The grammar of a mission's formulas: from text to a `Formula`.
 
-Operators from the weakest binding to the strongest: `->`, or, and, until; then the prefixes always, eventually and not.
-The entries of regions.py call it; docs/missions.md explains the language.
+Operators from the weakest binding to the strongest: `<->` and `->`, or, and, until; then the prefixes always, eventually and not.
+What other tools write for them is read too (SYNONYMS). A word such as G or AND is an operator only where a region cannot stand,
+so that regions may have such names. The entries of regions.py call it; docs/missions.md explains the language.
 """
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from fractions import Fraction
 
@@ -24,12 +25,48 @@ from stt_codegen.task.mission.formulas import (
     conjunction,
     disjunction,
     negation,
+    parts_of,
 )
 
-TOKEN = re.compile(r"\s*(?:(->)|([A-Za-z][A-Za-z0-9_]*)|(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)|([\[\](),]))")
+TOKEN = re.compile(
+    r"\s*(?:(<->|<=>|->|=>|&&|\|\||/\\|\\/|[&|!~])|([A-Za-z][A-Za-z0-9_]*)|(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)|([\[\](),:]))"
+)
+COMPARISON = re.compile(r"\s*[<>=+*/-]")
 TEXT_LENGTH_LIMIT = 2000  # characters of a formula
+SIZE_LIMIT = 1000  # regions and operators of a formula that is negated
 NESTING_LIMIT = 40  # operators inside one another
-PRECEDENCE = ("->", "or", "and", "until")  # from the weakest binding
+PRECEDENCE = ("->", "or", "and", "until")  # from the weakest binding; "<->" binds as "->"
+BINARY_SYNONYMS = {
+    **dict.fromkeys(("implies", "=>"), "->"),
+    **dict.fromkeys(("iff", "<=>"), "<->"),
+    **dict.fromkeys(("||", "|", "\\/"), "or"),
+    **dict.fromkeys(("&&", "&", "/\\"), "and"),
+    **dict.fromkeys(("u", "until_"), "until"),
+    **{name: name for name in ("->", "<->", "or", "and", "until")},
+}
+PREFIX_SYNONYMS = {
+    **dict.fromkeys(("g", "globally", "alw", "alw_"), "always"),
+    **dict.fromkeys(("f", "finally", "ev", "ev_"), "eventually"),
+    **dict.fromkeys(("!", "~"), "not"),
+    **{name: name for name in ("always", "eventually", "not")},
+}
+SECONDS = {"s": Fraction(1), "ms": Fraction(1, 10**3), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}  # of units in a window
+PAST = "is about the past; a formula is about times to come, from now on: eventually[a, b], always[a, b]"
+# Operators of other tools, by their small letters, that have no synonym here, and what to write instead.
+UNREAD_PREFIXES = {
+    **dict.fromkeys(("next", "x"), "asks for a next step; time is continuous here: write eventually[a, b]"),
+    **dict.fromkeys(("once", "historically", "previous", "prev"), PAST),
+}
+UNREAD_BINARY = {
+    **dict.fromkeys(("release", "r"), "is no operator here; for `f release g` write not (not f until not g)"),
+    **dict.fromkeys(("w", "weak_until"), "is no operator here; for `f weak_until g` write (f until g) or always f"),
+    **dict.fromkeys(("xor", "^"), "is no operator here; for `f xor g` write (f and not g) or (not f and g)"),
+    **dict.fromkeys(("since", "s"), PAST),
+}
+AFFINE = (
+    "compares numbers, and a formula is about regions: add one, as [[region]] with normals = [[1, 1]] and offsets = [3] for "
+    "x + y <= 3, or with lower and upper, and write its name"
+)
 
 
 def parse_formula(text: str) -> Formula:
@@ -40,6 +77,20 @@ def parse_formula(text: str) -> Formula:
     if len(text) > TEXT_LENGTH_LIMIT:
         raise ValueError(f"has {len(text)} characters; at most {TEXT_LENGTH_LIMIT} are taken, use several entries")
     return _FormulaParser(text).formula()
+
+
+def negated(formula: Formula) -> Formula:
+    """Return the negation of a formula. Raises `ValueError` where it is so large that it may double without end.
+
+    The negation of "until" has its parts more than once, and so has <->.
+    """
+    count, unseen = 0, [formula]
+    while unseen:
+        count += 1
+        unseen.extend(parts_of(unseen.pop()))
+        if count > SIZE_LIMIT:
+            raise ValueError(f"has over {SIZE_LIMIT} operators once `not` and <-> are taken apart; use several entries")
+    return negation(formula)
 
 
 class _FormulaParser:
@@ -56,6 +107,8 @@ class _FormulaParser:
             match = TOKEN.match(text, position)
             if match is None:
                 rest = text[position:].lstrip()
+                if COMPARISON.match(rest):
+                    raise ValueError(f"{rest[:12]!r} at character {len(text) - len(rest) + 1} {AFFINE}")
                 raise ValueError(
                     f"{rest[:12]!r} at character {len(text) - len(rest) + 1} is no word of a formula; regions, "
                     f"{', '.join(KEYWORDS)} are"
@@ -67,7 +120,23 @@ class _FormulaParser:
     @property
     def token(self) -> str:
         """The next token; an empty text at the end."""
-        return self.tokens[self.index][0] if self.index < len(self.tokens) else ""
+        return self.token_after(0)
+
+    def token_after(self, count: int) -> str:
+        """Return the token after the next `count` tokens; an empty text beyond the end."""
+        return self.tokens[self.index + count][0] if self.index + count < len(self.tokens) else ""
+
+    @property
+    def binary_operator(self) -> str:
+        """The operator that the next token is, where an operand was read; an empty text for none."""
+        return BINARY_SYNONYMS.get(self.token.lower(), "")
+
+    @property
+    def is_prefix(self) -> bool:
+        """Whether the next token is followed by what an operand may begin with, or by a window, as a region never is."""
+        following = self.token_after(1)
+        is_operand = bool(re.fullmatch(r"[A-Za-z]\w*|[(!~]", following)) and following.lower() not in BINARY_SYNONYMS
+        return self.token in KEYWORDS or not self.token.isidentifier() or is_operand or following == "["
 
     def error(self, needed: str) -> ValueError:
         """Return the error that says what is needed in place of the next token."""
@@ -91,7 +160,8 @@ class _FormulaParser:
         """Read a formula that goes to the end of the text."""
         formula = self.binary(0)
         if self.index < len(self.tokens):
-            raise self.error("the end, or one of and, or, until, ->,")
+            self.refuse_unread(UNREAD_BINARY)
+            raise self.error("the end, or one of and, or, until, ->, <->,")
         return formula
 
     def binary(self, level: int) -> Formula:
@@ -102,11 +172,14 @@ class _FormulaParser:
         if level == len(PRECEDENCE):
             formula = self.unary()
         else:
-            operator, formula = PRECEDENCE[level], self.binary(level + 1)
-            while self.token == operator:
+            operators, formula = ("->", "<->") if level == 0 else (PRECEDENCE[level],), self.binary(level + 1)
+            while (operator := self.binary_operator) in operators:
                 self.index += 1
                 if operator == "->":  # a -> b -> c is a -> (b -> c)
-                    formula = disjunction(negation(formula), self.binary(level))
+                    formula = disjunction(negated(formula), self.binary(level))
+                elif operator == "<->":
+                    last = self.binary(level + 1)
+                    formula = conjunction(disjunction(negated(formula), last), disjunction(negated(last), formula))
                 elif operator == "until":
                     formula = Until(self.interval(), formula, self.binary(level + 1))
                 else:
@@ -117,12 +190,17 @@ class _FormulaParser:
     def unary(self) -> Formula:
         """Read a region, a formula in brackets, or one behind not, always or eventually."""
         word = self.token
-        if word in ("not", "always", "eventually"):
+        operator = PREFIX_SYNONYMS.get(word.lower()) if self.is_prefix else None
+        if operator is not None:
             self.index += 1
-            if word == "not":
-                return negation(self.binary(len(PRECEDENCE)))
+            if operator == "not":
+                return negated(self.binary(len(PRECEDENCE)))
+            if self.token == "(" and self.token_after(1)[:1].isdigit():
+                raise ValueError(f"has a window in round brackets after {word!r}; its ends count: write [a, b]")
             over = self.interval()
-            return (Always if word == "always" else Eventually)(over, self.binary(len(PRECEDENCE)))
+            return (Always if operator == "always" else Eventually)(over, self.binary(len(PRECEDENCE)))
+        if self.is_prefix and word.isidentifier():
+            self.refuse_unread(UNREAD_PREFIXES)
         if word == "(":
             self.index += 1
             formula = self.binary(0)
@@ -134,18 +212,17 @@ class _FormulaParser:
         return InRegion(word)
 
     def interval(self) -> Interval:
-        """Read [begin, end] in seconds, end may be inf; without a bracket the interval is all times."""
+        """Read [begin, end] in seconds or with units, end may be inf; without a bracket the interval is all times."""
         if self.token != "[":
             return Interval()
         self.index += 1
         begin = self.number()
-        self.require(",")
-        if self.token == "inf":
+        self.require(":" if self.token == ":" else ",")  # rtamt writes [0:8]
+        is_endless = self.token == "inf"
+        if is_endless:
             self.index += 1
-            end = None
-        else:
-            end = self.number()
-        self.require("]")
+        end = None if is_endless else self.number()
+        self.require(")" if is_endless and self.token == ")" else "]")  # no time is infinite, so the end may be left open
         if end is not None and end < begin:
             raise ValueError(f"has a window from {decimal(begin)} to {decimal(end)}; from must not be after to")
         return Interval(begin, end)
@@ -158,4 +235,11 @@ class _FormulaParser:
         value = Decimal(self.tokens[self.index - 1][0])
         if value and not -10 < value.adjusted() < 10:
             raise ValueError(f"has the number {value}; use 0 or seconds from 1e-9 to 1e9")
-        return Fraction(value)
+        unit = SECONDS.get(self.token)
+        self.index += unit is not None
+        return Fraction(value) * (unit or 1)
+
+    def refuse_unread(self, operators: Mapping[str, str]) -> None:
+        """Raise where the next token is an operator of other tools that has no synonym here."""
+        if reason := operators.get(self.token.lower()):
+            raise ValueError(f"{self.token!r} at character {self.tokens[self.index][1] + 1} {reason}")

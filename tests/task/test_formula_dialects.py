@@ -1,0 +1,200 @@
+"""Formulas as other tools write them: the same formula, or a refusal that says what to write here. And regions that exclude one
+another, which no search can have at one moment."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import stt_codegen as stt
+from stt_codegen.checker.stt_checker import formula as checker_formula
+from stt_codegen.checker.stt_checker.exact import Unusable
+from stt_codegen.design.refusals.regions_at_once import excluded_regions
+from stt_codegen.task import parse_task
+from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until, conjunction
+from stt_codegen.task.mission.grammar import parse_formula
+
+PLAIN = [
+    "always[0, 16] (dock -> eventually[0, 4] left)",
+    "not lab until[0, 24] key",
+    "eventually[3, 5] always[0, 2] dock and not (lab or key)",
+    "eventually dock -> always (not lab and eventually key)",
+    "(dock -> left) and (left -> dock)",
+]
+
+
+def words(changes: dict[str, str]) -> Callable[[str], str]:
+    """Return a function that writes these words in place of the plain ones."""
+    return lambda text: re.sub(r"[a-z]+|->", lambda word: changes.get(word.group(), word.group()), text)
+
+
+DIALECTS: dict[str, Callable[[str], str]] = {
+    "rtamt": lambda text: words({"->": "implies"})(text).replace(", ", ":"),
+    "letters": words({"always": "G", "eventually": "F", "until": "U", "and": "&&", "or": "||", "not": "!"}),
+    "Breach": words({"always": "alw_", "eventually": "ev_", "until": "until_", "->": "=>"}),
+    "TeX": words({"always": "globally", "eventually": "finally", "and": "/\\", "or": "\\/", "not": "~"}),
+    "capitals": lambda text: words({name: name.upper() for name in ("always", "eventually", "until", "and", "or", "not")})(text),
+    "one sign": words({"and": "&", "or": "|", "not": "!"}),
+    "milliseconds": lambda text: re.sub(r"(\d+)", r"\g<1>000ms", text),
+    "seconds": lambda text: re.sub(r"(\d+)", r"\1s", text),
+}
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+@pytest.mark.parametrize("text", PLAIN)
+def test_a_formula_of_another_tool_is_the_same_formula(text: str, dialect: str) -> None:
+    assert parse_formula(DIALECTS[dialect](text)) == parse_formula(text)
+
+
+@pytest.mark.parametrize("sign", ["<->", "iff", "<=>"])
+def test_an_equivalence_is_both_implications(sign: str) -> None:
+    assert parse_formula(f"dock {sign} left") == parse_formula("(dock -> left) and (left -> dock)")
+    assert parse_formula(f"a and b {sign} c") == parse_formula(f"(a and b) {sign} c")
+
+
+def test_an_end_that_is_infinite_may_be_open() -> None:
+    assert parse_formula("eventually[2, inf) dock") == parse_formula("eventually[2, inf] dock")
+
+
+def test_regions_may_have_the_names_of_operators() -> None:
+    g, f, u, x, r = (InRegion(name) for name in "GFUXR")
+    assert parse_formula("G and F") == conjunction(g, f)
+    assert parse_formula("eventually G") == Eventually(parse_formula("eventually F").over, g)
+    assert parse_formula("F until (X and R)") == Until(parse_formula("F until X").over, f, conjunction(x, r))
+    assert parse_formula("F U U") == parse_formula("F until U")
+    assert parse_formula("G (U or G)") == parse_formula("always (U or G)")
+    assert parse_formula("F G and not U") == parse_formula("eventually G and not U")
+    assert u in parse_formula("F G and U").parts
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("x + y <= 3", r"'\+ y <= 3' at character 3 compares numbers, .*normals = \[\[1, 1\]\] and offsets = \[3\]"),
+        ("always (abs(x) < 1)", "compares numbers, and a formula is about regions"),
+        ("A == 1", "compares numbers"),
+        ("2*x >= 1", "compares numbers"),
+        ("next A", "time is continuous here: write eventually"),
+        ("X A", "time is continuous here"),
+        ("A release B", r"write not \(not f until not g\)"),
+        ("A R B", r"write not \(not f until not g\)"),
+        ("A W B", r"write \(f until g\) or always f"),
+        ("A xor B", r"write \(f and not g\) or \(not f and g\)"),
+        ("once[0, 3] A", "is about the past"),
+        ("A since B", "is about the past"),
+        ("eventually(0, 8) A", r"round brackets after 'eventually'; its ends count: write \[a, b\]"),
+        ("eventually[0, 8) A", r"has '\)' at character 16, where '\]' is needed"),
+        ("eventually[0 8] A", "where ',' is needed"),
+    ],
+)
+def test_what_is_not_read_is_refused_with_what_to_write(text: str, reason: str) -> None:
+    with pytest.raises(ValueError, match=reason):
+        parse_formula(text)
+
+
+def test_the_advised_form_of_release_and_xor_is_read() -> None:
+    for text in ("not (not A until not B)", "(A until B) or always A", "(A and not B) or (not A and B)"):
+        parse_formula(text)
+
+
+@pytest.mark.parametrize("text", [" <-> ".join("AB" * 40), "not (A until " * 20 + "B" + ")" * 20])
+def test_a_formula_that_doubles_without_end_is_refused_at_once(text: str) -> None:
+    begin = time.perf_counter()
+    with pytest.raises(ValueError, match="use several entries"):
+        parse_formula(text)
+    assert time.perf_counter() - begin < 1
+
+
+TASK = """name = "cart"
+prescribed_time = 10
+initial_state = [0.5, 0.5]
+[state_space]
+lower = [0, 0]
+upper = [4, 4]
+[initial_set]
+lower = [0.4, 0.4]
+upper = [0.6, 0.6]
+"""
+REGIONS = {
+    "L": "lower = [0, 0]\nupper = [1.5, 1.5]",
+    "A": "lower = [2.5, 2.5]\nupper = [3.5, 3.5]",
+    "inner": "lower = [2.8, 2.8]\nupper = [3.2, 3.2]",
+    "wide": "lower = [0, 0]\nupper = [3, 3]",
+    "touching": "lower = [1.5, 0]\nupper = [2, 1.5]",
+    "slope": "normals = [[1, 1]]\noffsets = [3]",
+    "both": 'any_of = ["L", "touching"]',
+}
+
+
+def excluded(formula: str) -> str:
+    """Return the problem that is found of a task with this formula; empty for none."""
+    regions = "".join(f'[[region]]\nname = "{name}"\n{lines}\n' for name, lines in REGIONS.items())
+    return (excluded_regions(parse_task(f'{TASK}{regions}[[mission]]\nformula = "{formula}"\n')) or ("", ""))[0]
+
+
+@pytest.mark.parametrize(
+    ("formula", "problem"),
+    [
+        ("L until A", "A and L must hold at one moment, and they do not meet"),
+        ("eventually (A and L)", "A and L must hold at one moment, and they do not meet"),
+        ("always L and eventually A", "A and L must hold at one moment, and they do not meet"),
+        ("always L and eventually[1, 2] always[0, 1] A", "A and L must hold at one moment, and they do not meet"),
+        ("L until touching", "L and touching must hold at one moment, and they do not meet"),
+        ("both until A", "A and both must hold at one moment, and they do not meet"),
+        ("slope until A", "A and slope must hold at one moment, and they do not meet"),
+        ("not A until A", "A and not A must hold at one moment, and they exclude one another"),
+        ("not A until inner", "inner and not A must hold at one moment, and inner lies in A"),
+        ("wide until A", ""),
+        ("not inner until A", ""),
+        ("(L or A) until A", ""),
+        ("L until A or eventually A", ""),
+        ("eventually L and eventually A", ""),
+        ("always[0, 2] L and eventually A", ""),
+        ("slope until wide", ""),
+    ],
+)
+def test_regions_that_a_mission_needs_at_once_and_cannot_have_are_named(formula: str, problem: str) -> None:
+    assert excluded(formula) == problem
+
+
+def test_a_mission_of_regions_that_do_not_meet_is_refused_with_the_reason() -> None:
+    regions = "".join(f'[[region]]\nname = "{name}"\n{REGIONS[name]}\n' for name in ("L", "A"))
+    with pytest.raises(stt.NotCertified, match=r"they do not meet; `f until g` asks for f up to and including the moment of g"):
+        stt.build(parse_task(f'{TASK}{regions}[[mission]]\nformula = "L until A"\n'))
+
+
+def canonical(formula: Formula) -> tuple[Any, ...]:
+    """Return a formula of the package as the stand-alone checker writes it."""
+
+    def window(over: Interval) -> tuple[Any, Any]:
+        return over.begin, math.inf if over.end is None else over.end
+
+    match formula:
+        case InRegion(region, is_negated):
+            return ("out" if is_negated else "in", region)
+        case And(parts) | Or(parts):
+            return ("and" if isinstance(formula, And) else "or", *map(canonical, parts))
+        case Until(over, first, last):
+            return ("until", window(over), canonical(first), canonical(last))
+        case Always(over, part) | Eventually(over, part):
+            return ("always" if isinstance(formula, Always) else "eventually", window(over), canonical(part))
+    raise TypeError(formula)
+
+
+AS_NAMES = ["G and F", "eventually G", "F until (X and R)", "F U U", "G (U or G)", "F G and not U", "F G and U", "U U[0:3ms] U"]
+
+
+@pytest.mark.parametrize("text", [*PLAIN, *(write(text) for text in PLAIN for write in DIALECTS.values()), *AS_NAMES])
+def test_the_checker_reads_the_same_formula(text: str) -> None:
+    for written in (text, f"{text} <-> dock", f"eventually[2, inf) dock iff ({text})"):
+        assert checker_formula.parse(written) == canonical(parse_formula(written))
+
+
+def test_the_checker_refuses_a_formula_that_doubles_without_end() -> None:
+    with pytest.raises(Unusable, match="in good time"):
+        checker_formula.parse(" <-> ".join("AB" * 40))
