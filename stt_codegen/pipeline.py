@@ -198,8 +198,12 @@ def certified_attempt(task: Task, effort: Effort | None = None, *, accepts_failu
         return replace(result, replaces=_replacement_sentence(result, first, reason.problem))
     if first is not None and accepts_failure and not is_stopped:
         return first
+    has_tried_all = is_stopped or effort.elapsed < TUBES_SHARE * effort.seconds
     if not is_stopped:
         reason = _with_remedies(task, reason, effort)
+    if not has_tried_all and reason.has_remedy:
+        longer = f" ({effort.longer})" if effort.longer else ""
+        reason = replace(reason, hint=f"{reason.hint}; of the tubes that the task leaves open not all were tried{longer}")
     if first is not None and first.certificate.is_law_defined and effort.as_it_is:
         reason = replace(reason, hint=f"{reason.hint} ({effort.as_it_is})".lstrip())
     raise NotCertified(reason)

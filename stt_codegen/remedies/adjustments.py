@@ -164,7 +164,7 @@ def _times(task: Task) -> Iterator[Adjustment]:
     yield from _mission_times(task)
     yield _scaled(MOTION | timed | {ARITHMETIC}, "prescribed_time", task.prescribed_time, RAISING)
     if stated.start_delay:
-        yield _scaled(EDGES, "start_delay", stated.start_delay, REMOVING)
+        yield _scaled(EDGES | MOTION, "start_delay", stated.start_delay, REMOVING)
     for key in ("timing", "spread"):
         values = [(k, getattr(s, key)) for k, s in enumerate(stated.unsafe) if getattr(s, key)]
         if values:

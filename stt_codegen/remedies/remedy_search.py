@@ -56,7 +56,8 @@ class Remedies:
         stopped += f" ({longer})" if stopped and longer else ""
         if self.changes:
             first, *more = (change.text for change in self.changes)
-            return "; ".join(filter(None, (", or ".join((f"certified {first}", *more)), stopped)))
+            smaller = "smaller changes may do" if stopped else ""
+            return "; ".join(filter(None, (", or ".join((f"certified {first}", *more)), smaller, stopped)))
         keys = list(dict.fromkeys(self.without_success))
         tried = f"no change that was tried was enough, of {', '.join(keys)}" if keys else ""
         return "; ".join(filter(None, (tried, stopped, "" if tried else hint)))

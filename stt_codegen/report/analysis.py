@@ -67,11 +67,13 @@ class Analysis(LoopAnalysis):
         if gains is not None:
             last = None if gains.largest is None else signed(gains.largest)
             proved_gains = ProvedGains(signed(gains.smallest), last, gains.fails_below, gains.fails_above)
+        proof = self.controller.certificate.proved_period
         return SamplingReport(
             plant=self.name,
             latency=self.latency,
             assumptions=tuple(self.assumptions()),
             has_drive=task.has_drive,
+            has_proved_period=bool(proof and proof.paths),
             shortest=round_up(self.shortest),
             shortest_for="control.period_min" if task.uses_differences else "alpha_step",
             starts=self.starts,

@@ -133,6 +133,7 @@ class SamplingReport:
     it. at_this_gain: the period of the task's gain. longest: the gain with the longest period. longest_with_limits: that gain if
     control.u_max may change. gains: the proved gains for the period `wanted`. smallest_error: the gain of that range with the
     smallest |e| in a run from the middle. has_drive: whether the task states a drive, which is in none of these numbers.
+    has_proved_period: whether P9 proves the task's own period by the worst path, where these conditions may not.
     """
 
     plant: str
@@ -150,6 +151,7 @@ class SamplingReport:
     gains: ProvedGains | None
     shortest_for: str = ""
     has_drive: bool = False
+    has_proved_period: bool = False
 
     def document(self) -> dict[str, Any]:
         """Return the report as JSON data."""

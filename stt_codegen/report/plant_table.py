@@ -73,7 +73,7 @@ def norm_extremes(bounds: Sequence[Bounds]) -> Extremes:
 
 
 def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
-    """Return where a plant exceeds the task's table [plant], with its number, the stated one and one that would do; or nothing.
+    """Return where a plant exceeds the task's table [plant], with its number, the stated one and one that covers it; or nothing.
 
     Compared in norms where u is scaled as a whole, else by component.
     """
@@ -95,7 +95,7 @@ def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
             else:
                 continue
             remedy = _sufficient_bound(task, kind, value, i)
-            lines.append(f"{line}, {remedy} would do" if remedy else line)
+            lines.append(f"{line}, {remedy} covers it" if remedy else line)
     return lines
 
 

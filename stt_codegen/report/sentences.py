@@ -28,9 +28,12 @@ def sampling_lines(sampling: SamplingReport, tick_period: float | None) -> Itera
     if sampling.has_drive:
         yield Line(f"sampling: {Property.PERIOD.label} alone counts the drive of [plant]; no other gain or period is looked for")
         return
-    yield Line(f"sampling, proved for {sampling.plant} from every start with {sampling.starts}:")
+    beside = f"beside {Property.PERIOD.label}, by conditions at each time alone" if sampling.has_proved_period else "proved"
+    yield Line(f"sampling, {beside} for {sampling.plant} from every start with {sampling.starts}:")
     at_this_gain = sampling.at_this_gain
-    if at_this_gain is None:
+    if at_this_gain is None and sampling.has_proved_period:
+        yield Line("no period: the worst path alone proves it", is_detail=True)
+    elif at_this_gain is None:
         gain = by_component(sampling.gain)
         yield Line(f"gain {gain} is proved at no sampling period from there", is_detail=True, is_note=True)
     else:
@@ -70,6 +73,8 @@ def _longer_periods(sampling: SamplingReport) -> Iterator[Line]:
 def _proved_gains(sampling: SamplingReport) -> Iterator[Line]:
     """Yield the gains that are proved for the wanted period, and the one with the smallest |e|."""
     wanted = format_time(sampling.wanted)
+    if sampling.gains is None and sampling.has_proved_period:
+        return
     if sampling.gains is None:
         yield Line(f"no gain is proved for a period of {wanted}", is_detail=True, is_note=True)
     else:

@@ -273,7 +273,7 @@ def test_every_remedy_of_a_refusal_works(lag: str) -> None:
 
 
 def test_a_drive_that_no_gain_can_use_is_refused_with_the_tubes_width_over_speed() -> None:
-    refusal = r"in dimension 2 the input is late by 1\.5\d* s \(.*\); x crosses the tube in 0\.\d+ s"
+    refusal = r"in dimension 2 the input is late by 1\.5\d* s \(.*\); the state crosses the tube in 0\.\d+ s"
     with pytest.raises(stt.NotCertified, match=refusal):
         build_once(parse_task(CART.replace("lag = 0.08", "lag = 1.5")))
 

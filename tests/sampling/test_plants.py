@@ -242,7 +242,7 @@ def test_a_bound_that_does_not_cover_the_plant_is_named_with_its_value() -> None
         uncovered = uncovered_with(too_weak)
         assert uncovered
         assert all(line.startswith(beginning) and f"{too_weak:.6g} is stated, " in line for line in uncovered), uncovered
-        advised = [float(re.search(rf"plant\.{name} = (\S+) would do$", line)[1]) for line in uncovered]
+        advised = [float(re.search(rf"plant\.{name} = (\S+) covers it$", line)[1]) for line in uncovered]
         assert uncovered_with((min if name == "g_min" else max)(advised)) == []
 
 

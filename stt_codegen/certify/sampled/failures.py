@@ -27,10 +27,11 @@ class LongestProof(NamedTuple):
 
 
 class PeriodFailure(NamedTuple):
-    """What is wrong, the axis (from 0) that fails, None for no one axis, and the keys of the task that it is about."""
+    """What is wrong, the axis (from 0) that fails, None for no one axis, what may help, and the keys that it is about."""
 
     problem: str
     axis: int | None
+    hint: str
     about: tuple[str, ...] = ()
 
 
@@ -44,26 +45,30 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
         limit_words = (
             f"control.u_max is {limit:g}" if norm is None else f"control.u_norm = {decimal(norm)} leaves {limit:g} there"
         )
-        return PeriodFailure(f"in {task.axis_words[weak]} {against}, and {limit_words}", weak)
+        hint = f"raise {task.limit_key} or prescribed_time"
+        return PeriodFailure(
+            f"in {task.axis_words[weak]} {against}, and {limit_words}", weak, hint, (task.limit_key, "prescribed_time")
+        )
     gain = f"gain {by_component(task.gain)}"
     if task.uses_differences:  # the error of v is known for the task's own period alone
         problem = f"control.period = {decimal(task.sampling_period)} s is not proved with {gain} and a velocity by differences"
-        return PeriodFailure(problem, None)
+        return PeriodFailure(problem, None, DIFFERENCES_ADVICE)
     if longest is not None and longest.seconds > 0:
         problem = f"control.period = {decimal(task.sampling_period)} s is too long"
         problem += f"; {below(longest.seconds, 3):g} s is the longest that is proved with {gain}"
+        hint, about = f"lower control.period, or raise {task.limit_key}", ("control.period",)
         begin, end, dimension = longest.bottleneck or (0.0, 0.0, 0)
         if not dimension:
-            return PeriodFailure(problem, None)
+            return PeriodFailure(problem, None, hint, about)
         first = f"{task.axis_words[dimension - 1]} fails first, at t in [{begin:.3g}, {end:.3g}] s"
-        return PeriodFailure(f"{problem}, where {first}", dimension - 1)
+        return PeriodFailure(f"{problem}, where {first}", dimension - 1, hint, about)
     axis, delay, crossing = _latest_axis(task, loop)
     problem = f"no period is proved with {gain}"
     if delay < LATE_SHARE * crossing:  # then the gain is to blame
-        return PeriodFailure(problem, None, ("control.gain",))
+        return PeriodFailure(problem, None, 'state control.gain = "auto"', ("control.gain",))
     problem += f": in {task.axis_words[axis]} the input is late by {delay:.3g} s "
-    problem += f"(drive, and {SAMPLE_AGE_SHARE:g} of latency and period); x crosses the tube in {crossing:.3g} s"
-    return PeriodFailure(problem, axis, ("control.latency", "plant.lag", "plant.lag2"))
+    problem += f"(drive, and {SAMPLE_AGE_SHARE:g} of latency and period); the state crosses the tube in {crossing:.3g} s"
+    return PeriodFailure(problem, axis, "state a quicker drive, or more time", ("control.latency", "plant.lag", "plant.lag2"))
 
 
 def _axis_without_authority(task: Task, loop: SampledLoop) -> int | None:

@@ -13,11 +13,6 @@ from stt_codegen.decimals import by_component, decimal
 from stt_codegen.sampling.path import PathLoop, PathProof, prove_path, prove_path_for
 from stt_codegen.task import Task
 
-DIFFERENCES_ADVICE = (
-    "use another control.period (the error of a velocity by differences grows with it, what noise adds falls), state less noise, "
-    "or measure the velocity"
-)
-
 
 def prove_late_period(task: Task, loop: PathLoop, rho_of_conditions: Sequence[Fraction] | None) -> PeriodProof | None:
     """Prove the task's period by the path; None where it does not.

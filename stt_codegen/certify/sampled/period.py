@@ -20,7 +20,7 @@ import numpy as np
 from stt_codegen.certify.certificate import Finding, PeriodProof
 from stt_codegen.certify.limits import sufficient_norm
 from stt_codegen.certify.sampled.failures import LongestProof, explain_period
-from stt_codegen.certify.sampled.late_inputs import DIFFERENCES_ADVICE, drive_words, prove_late_period
+from stt_codegen.certify.sampled.late_inputs import drive_words, prove_late_period
 from stt_codegen.certify.sampled.lost_turns import LostTurn, lost_turn
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import RefinedDesign
@@ -60,11 +60,10 @@ def certify_period(
     proof, margin = evidence.proof, evidence.margin
     if proof is None:
         failure = explain_period(task, loop, evidence.longest)
-        hint = DIFFERENCES_ADVICE if task.uses_differences else f"lower control.period, or raise {task.limit_key}"
         axis = None if failure.axis is None else failure.axis + 1
         sufficient = sufficient_norm(task, [Fraction(v) for v in needed_input(loop).tolist()])
         sufficient += () if evidence.longest is None else (("control.period", evidence.longest.seconds),)
-        finding = Finding(Property.PERIOD, _statement(task), margin, Fraction(0), dimension=axis, advice=hint)
+        finding = Finding(Property.PERIOD, _statement(task), margin, Fraction(0), dimension=axis, advice=failure.hint)
         return replace(finding, problem=failure.problem, sufficient=sufficient, about=failure.about), None
     if (lost := lost_turn(task, design, proof)) is not None:
         return _lost_turn_finding(task, lost), None

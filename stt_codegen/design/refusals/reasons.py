@@ -43,10 +43,13 @@ def explain_refusal(task: Task, arena: Arena, has_tube: HasTube) -> Reason:
 
 
 def _without_limits(task: Task) -> Task:
-    """Return the task without bounds on speed, acceleration and u, in a scalar that needs none of u."""
+    """Return the task without bounds on speed, acceleration and u, in a scalar that needs none of u.
+
+    Its period stays: a lag, a latency and a velocity by differences need one, and no tube is searched for by it.
+    """
     in_floats = {"emit": {"scalar": "float"}} if task.emit.scalar == "fixed" else {}
     return task.changed(
-        tube={"max_speed": None, "max_acceleration": None}, control={"u_max": None, "saturate": None, "period": None}, **in_floats
+        tube={"max_speed": None, "max_acceleration": None}, control={"u_max": None, "u_norm": None, "saturate": None}, **in_floats
     )
 
 
