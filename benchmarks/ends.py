@@ -42,7 +42,7 @@ JSON_COMMANDS = {  # arguments of each command that has --json
     "compare": [OMNI, "--points", "100"],
     "lag": ["{out}/step.csv"],
     "pil": [OMNI, "--board", "m4f"],
-    "prove": [OMNI],
+    "prove": [OMNI, "--out", "{out}"],
     "theorem": [OMNI, f"{C_FILE}.c"],
 }
 
@@ -59,7 +59,7 @@ def lower_ends() -> list[str]:
 
 
 def holds_with(versions: list[str]) -> bool:
-    """Use the tool in a new environment with these versions. Return whether all is as it should be; print what is not."""
+    """Use the tool in a new environment with these versions. Return whether all of it works; print what does not."""
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([sys.executable, "-m", "venv", folder], check=True)
         python = Path(folder) / "bin" / "python"

@@ -46,8 +46,7 @@ from benchmarks.oracles.sampled import ClaimedBounds, counterexample
 from benchmarks.oracles.tubes import Fault, first_fault
 from benchmarks.suites.report import command, machine, record
 from stt_codegen.certify.certificate import Certificate, PeriodProof
-from stt_codegen.checker import check_files
-from stt_codegen.checker.stt_checker import integers, rounding, source
+from stt_codegen.checker.stt_checker import check_files, integers, rounding, source
 from stt_codegen.checker.stt_checker.claims import BITS
 from stt_codegen.checker.stt_checker.task import Task as CheckedTask
 from stt_codegen.checker.stt_checker.tube import Tube as CheckedTube

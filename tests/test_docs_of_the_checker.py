@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from stt_codegen.checker import check_files
-from stt_codegen.checker.stt_checker import claims, source
+from stt_codegen.checker.stt_checker import check_files, claims, source
 from stt_codegen.checker.stt_checker.integers import CONSTANTS, CONSTANTS_OF_ORDER_2
 from stt_codegen.checker.stt_checker.keys import KNOWN_KEYS
 from stt_codegen.checker.stt_checker.starts import TABLES as TABLES_OF_STARTS

@@ -3,6 +3,7 @@
 The coefficients are integers in units of 2**-bits. The bound of a constraint (stt_codegen/constraints.py, an exact decimal)
 enters as the smallest integer not below it in these units, so every comparison is between integers and nothing is rounded to the
 unsafe side. slack.py compares; the lemmas `rows.*` and `refined.*` prove that it is enough.
+Long because the findings of one certificate are read together.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 
 DEFAULT_SECONDS = 10.0
 # Of the seconds: until when other tubes are tried, and when the search for changes of the task ends. The rest is for the steps
@@ -35,6 +35,7 @@ class Effort:
 
     seconds: float = field(default_factory=lambda: DEFAULT_SECONDS)
     say: Callable[[str], None] | None = None
+    _: KW_ONLY
     ends_on_interrupt: bool = False
     longer: str = ""
     as_it_is: str = ""

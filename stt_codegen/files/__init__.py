@@ -1,6 +1,7 @@
 """Read input files within bounds (docs/inputs.md), and write output files as one set, one writer at a time."""
 
 from stt_codegen.files.bounded_json import json_object
+from stt_codegen.files.bounded_reading import decode, printable, read_input
 from stt_codegen.files.bounded_toml import parse_toml
 from stt_codegen.files.certified_contents import (
     CERTIFICATE_SUFFIX,
@@ -10,7 +11,7 @@ from stt_codegen.files.certified_contents import (
     require_certified_contents,
 )
 from stt_codegen.files.locks import locked
-from stt_codegen.files.reading import decode, printable, read_input
+from stt_codegen.files.task_text import read_task_text
 from stt_codegen.files.writing import write_files
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "possible_paths",
     "printable",
     "read_input",
+    "read_task_text",
     "require_certified_contents",
     "write_files",
 ]

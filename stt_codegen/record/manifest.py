@@ -18,9 +18,8 @@ from typing import Any
 
 from stt_codegen import __version__
 from stt_codegen.errors import BadInput, about
-from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, parse_toml, read_input, write_files
+from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, parse_toml, read_input, read_task_text, write_files
 from stt_codegen.pipeline import EmittedController, build
-from stt_codegen.task import read_task_text
 from stt_codegen.task.map import input_files
 
 MANIFEST = "MANIFEST.json"

@@ -22,8 +22,8 @@ from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, hull_co
 ROUNDING_ROOM = 4  # times the lattice's allowance: more than a search leaves for rounding at an edge of gamma(0)
 NAMED_SETS_LIMIT = 3
 VISIT_NOTE = (
-    "a visit without stay may last for a moment only; stay = 2 beside visit asks for 2 s, a formula with always[0, 2] does so for "
-    "other entries; start_delay = 1 asks for a margin of 1 s in every time"
+    "a visit without stay may last for a moment only; stay = 2 beside visit asks for 2 s, a formula with always[0, 2] does so "
+    "elsewhere; start_delay = 1 asks for a margin of 1 s in every time"
 )
 
 

@@ -11,7 +11,6 @@ from stt_codegen.task.keys import task_keys
 from stt_codegen.task.load import json_schema, load_task, parse_task
 from stt_codegen.task.schema import DriveBounds
 from stt_codegen.task.task import Task
-from stt_codegen.task.task_text import read_task_text
 
 __all__ = [
     "SET_TURNS_LIMIT",
@@ -25,7 +24,6 @@ __all__ = [
     "map",
     "mission",
     "parse_task",
-    "read_task_text",
     "require_offered",
     "sets",
     "shares_of_norm",

@@ -10,9 +10,8 @@ import json
 from pathlib import Path
 
 from stt_codegen.errors import about, noted
-from stt_codegen.files import parse_toml
+from stt_codegen.files import parse_toml, read_task_text
 from stt_codegen.task.task import Task
-from stt_codegen.task.task_text import read_task_text
 from stt_codegen.task.values import FILE
 
 

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 from typer.testing import CliRunner
 
-from stt_codegen.checker import check_files
+from stt_codegen.checker.stt_checker import check_files
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build

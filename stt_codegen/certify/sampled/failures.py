@@ -12,6 +12,14 @@ from stt_codegen.sampling import SampledLoop, needed_input
 from stt_codegen.sampling.path import Drive
 from stt_codegen.task import Task
 
+DIFFERENCES_ADVICE = (
+    "use another control.period (the error of a velocity by differences grows with it, what noise adds falls), state less noise, "
+    "or measure the velocity"
+)
+DIFFERENCES_ADVICE = (
+    "use another control.period (the error of a velocity by differences grows with it, what noise adds falls), state less noise, "
+    "or measure the velocity"
+)
 LATE_SHARE = 1 / 8  # of the time in which x crosses the tube: an input that is later may be too late, whatever the gain
 SAMPLE_AGE_SHARE = 0.6  # of the age of a sample, that counts like a delay of the drive
 

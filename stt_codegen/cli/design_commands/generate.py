@@ -105,9 +105,9 @@ def _build_all(
 
 def _files_of_all(controllers: Controllers, *, package: str, plant: str | None, theorem: bool) -> list[dict[str, bytes]]:
     """Return the contents of the files of each controller by path, in the package's layout."""
+    from stt_codegen.files import read_task_text
     from stt_codegen.plants import plant_of
     from stt_codegen.record import package as package_files
-    from stt_codegen.task import read_task_text
 
     contents = []
     for task, controller in controllers:

@@ -2,6 +2,7 @@
 
 mission_search.py makes a plan for each order of events, and a tube along the plan. What the mission's states require between the
 knots comes as obstacles that count only then.
+Long because the linear programs of the times are read beside each other.
 """
 
 from __future__ import annotations

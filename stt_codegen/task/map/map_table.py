@@ -22,13 +22,12 @@ from typing import Any, NamedTuple
 
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput, about
-from stt_codegen.files import parse_toml
+from stt_codegen.files import parse_toml, read_task_text
 from stt_codegen.task.checks import describe_unknown_key
 from stt_codegen.task.keys import MAP_KEYS, TableOfKeys
 from stt_codegen.task.map.map_yaml import read_header
 from stt_codegen.task.map.occupancy import FREE_RULES, KINDS, FreeRule, PieceKind, read_map
 from stt_codegen.task.schema import TaskTables
-from stt_codegen.task.task_text import read_task_text
 from stt_codegen.task.values import kind_of
 
 PLANE = 2

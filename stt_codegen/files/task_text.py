@@ -1,10 +1,10 @@
-"""Read the text of a task file within the bound on its size. load.py and map/map_table.py parse it."""
+"""Read the text of a task file within the bound on its size. Rooms that parse it call this."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from stt_codegen.files import decode, read_input
+from stt_codegen.files.bounded_reading import decode, read_input
 
 TASK_SIZE_LIMIT = 4_000_000  # bytes; 2,000 boxes are 200,000 bytes
 
