@@ -112,7 +112,8 @@ HEADINGS = (
 NOTE = """Each row is about nine controllers: order 1 (omni_s2), order 2 with its logarithm written out (crane) and a mission
 (courier), in three kinds of numbers. Warnings are those of the strict set of docs/c.md. Fused operations are counted in the
 disassembled object code; in brackets those that the compiler makes of the same files without their pragmas. Where `double` has 32
-bits the file refuses to compile. An image whose data do not fit the memory is not run; its other columns count."""
+bits the file refuses to compile. An image whose data do not fit the memory is not run; its other columns count.
+MIPS32r2 is compiled with -mno-madd4 (docs/c.md says why)."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
