@@ -126,9 +126,9 @@ def test_a_writer_that_does_not_end_is_waited_for_and_then_one_message(kind: str
 
     with locked([tmp_path]):
         write_files(tmp_path, {"cart.c": b"first"})  # the thread that has the lock may write
-        other = threading.Thread(target=write)
-        other.start()
-        other.join()
+        second_writer = threading.Thread(target=write)
+        second_writer.start()
+        second_writer.join()
     assert len(messages) == 1
     assert "another command has been writing here" in messages[0]
     assert (locks.LOCK_FILE in messages[0]) == (kind == "file")

@@ -207,7 +207,7 @@ WRONG = [
     ("image: {image}", "image: [a, b]", ["image", "path"]),
     ("negate: 0", "a: &b [1]\nc: *b", ["line 5", "alias"]),
     ("negate: 0", "a: [[[[[[]]]]]]", ["line 4", "nested", "4 deep"]),
-    ("negate: 0", "a: " + "x" * 16384, ["more than 16384 bytes"]),
+    ("negate: 0", "a: " + "x" * 16384, ["more than 16,384 bytes"]),
     ("negate: 0", 'a: "\\UFFFFFFFF"', ["is no YAML"]),
     ("image", "- [", ["is no YAML"]),
     ("0.196", "0.7", ["free_thresh", "not above the second"]),
