@@ -14,8 +14,7 @@ import sys
 import time
 from pathlib import Path
 
-from stt_codegen.checker import FOLDER
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import FOLDER, check_files
 
 ROOT = Path(__file__).parent.parent
 

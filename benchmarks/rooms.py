@@ -40,7 +40,7 @@ from benchmarks.oracles.rooms import (
     times_outside,
 )
 from benchmarks.suites.report import command, machine, record
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task
 from stt_codegen.task.load import parse_task

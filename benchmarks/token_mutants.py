@@ -33,7 +33,7 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.program.number import round_to
 
 ROOT = Path(__file__).parent.parent

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 import stt_codegen as stt
 from stt_codegen import api
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.design.user_tubes import fitted_tube, spline_tube
 from stt_codegen.pipeline import require_supported
 from stt_codegen.program.targets.c.runner import CompiledC

@@ -6,6 +6,7 @@
 
 from pathlib import Path
 
+from stt_codegen.checker.stt_checker import check_files as check_files
 from stt_codegen.checker.stt_checker import verdict
 
 FOLDER = Path(__file__).parent  # `python3 -I FOLDER TASK C CERTIFICATE` runs it as a program of its own

@@ -35,7 +35,7 @@ class StepRecord:
 
 def read_record(path: Path, columns: Sequence[str] = ()) -> StepRecord:
     """Read a file. Raises `BadInput` with the file and the line; `parse_record` explains `columns`."""
-    remedy = f"give a record as CSV of at most {ROWS_LIMIT:,} rows"
+    remedy = f"give a record as CSV, of at most {ROWS_LIMIT:,} rows"
     return parse_record(decode(path, read_input(path, RECORD_SIZE_LIMIT, remedy), remedy), str(path), columns)
 
 

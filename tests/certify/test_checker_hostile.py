@@ -184,7 +184,7 @@ def test_a_file_that_is_missing_or_empty_is_not_verified(file: str, tmp_path: Pa
     files = recorded_files("trolley")
     arguments = write_files(files, tmp_path)
     (tmp_path / file).unlink()
-    from stt_codegen.checker.stt_checker import check_files
+    from stt_codegen.checker import check_files
 
     assert check_files(arguments) == UNUSABLE
     is_turned_away({**files, file: b""}, tmp_path)
@@ -208,7 +208,7 @@ def test_files_may_be_links(tmp_path: Path) -> None:
     arguments = write_files(files, tmp_path / "elsewhere")
     for path in map(Path, [*arguments, str(tmp_path / "elsewhere" / "trolley.h")]):
         os.symlink(path, tmp_path / path.name)
-    from stt_codegen.checker.stt_checker import check_files
+    from stt_codegen.checker import check_files
 
     assert check_files([str(tmp_path / Path(path).name) for path in arguments]) == VERIFIED
 

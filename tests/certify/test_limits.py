@@ -15,7 +15,7 @@ import pytest
 import stt_codegen as stt
 from benchmarks.suites.remedies import follow_remedies, refusal_of
 from stt_codegen.certify.certificate import Certificate
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.compare.comparison import compare
 from stt_codegen.constraints import control_authority
 from stt_codegen.designs.refined import RefinedDesign

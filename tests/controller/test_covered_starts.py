@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import stt_codegen as stt
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.controller.covered_starts import BOUND_TABLES, compute_covered_starts, start_share
 from stt_codegen.designs.filtered import slopes_at_start
 from stt_codegen.program.number import FORMATS

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 import stt_codegen as stt
 from benchmarks.suites.remedies import follow_remedies, refusal_of
 from stt_codegen.certify.filtered_findings import distance_errors, filtered_width_slack, input_slack, start_slack
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.compare.comparison import compare
 from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.compiled import FLAGS
 from stt_codegen.loop.simulate import Loop, Scenario

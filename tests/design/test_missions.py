@@ -22,7 +22,7 @@ from benchmarks.mission_mutants import judge_mutant
 from benchmarks.suites.scenarios import SCENARIO_FAMILIES, random_mission
 from stt_codegen.certify.missions.schedule import describe_entry, has_momentary_visit, phases, served_entries
 from stt_codegen.certify.monitor import holds, satisfied
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.constraints import mission_avoidances
 from stt_codegen.design.mission_search import MissionSearch
 from stt_codegen.design.missions import TIME_MARGIN_SPEED, Plan, Skeleton

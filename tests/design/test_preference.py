@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from benchmarks.suites.families import FAMILIES, arena_task
 from benchmarks.suites.remedies import follow_remedies
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.cli.main import app
 from stt_codegen.design.spline_tubes.dimension_programs import PACE_TOLERANCE
 from stt_codegen.design.spline_tubes.slowest_tube import smoothest_tube

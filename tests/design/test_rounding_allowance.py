@@ -16,7 +16,7 @@ import pytest
 from stt_codegen import api
 from stt_codegen.certify import rounding_allowance
 from stt_codegen.certify.rounding_allowance import COVERED_SHARE, needed_allowance_factor
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.cli.design_commands.design import design as command
 from stt_codegen.controller.edge_errors import edge_error_of_design
 from stt_codegen.controller.integers import integer_errors

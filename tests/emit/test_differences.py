@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified

@@ -76,6 +76,6 @@ def test_a_task_called_like_a_file_of_the_tool_is_compiled(name: str) -> None:
     assert run_on_board(controller, BOARDS["m4f"], 1)[0]
     if shutil.which("wasm-ld"):
         module = compile_drive_module(controller, plant_of("integrator", 2, 1))
-        usual_module = compile_drive_module(build_once(task_called("other")), plant_of("integrator", 2, 1))
+        reference_module = compile_drive_module(build_once(task_called("other")), plant_of("integrator", 2, 1))
         assert module.reason == ""
-        assert len(module.wasm) == len(usual_module.wasm)  # nothing is left out
+        assert len(module.wasm) == len(reference_module.wasm)  # nothing is left out

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from stt_codegen import reference
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.emit.selftest import selftest_suites

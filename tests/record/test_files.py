@@ -404,7 +404,7 @@ write_files(Path(sys.argv[2]), files)
 
 @pytest.mark.parametrize("renamed", [0, 1, 2, 3, 4])
 def test_a_run_killed_between_renames_leaves_a_complete_set_or_no_certificate(renamed: int, tmp_path) -> None:
-    from stt_codegen.checker.stt_checker import check_files
+    from stt_codegen.checker import check_files
 
     old, new = tmp_path / "old.toml", tmp_path / "second.toml"
     text = (ROOT / "tasks" / "empty.toml").read_text()

@@ -268,4 +268,6 @@ def test_the_command_prints_lines_of_a_task_and_json_has_the_same(tmp_path: Path
         assert f"{key} = {document[key]:g}" in shown.stdout
     missing = run_command("lag", "none.csv", cwd=tmp_path)
     assert missing.returncode == 2
-    assert missing.stderr.strip().endswith("stt-codegen: none.csv: cannot be read (No such file or directory)")
+    assert missing.stderr.strip().startswith(
+        "stt-codegen: none.csv: cannot be read (No such file or directory); give a record as CSV"
+    )

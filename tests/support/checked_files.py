@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from unittest import mock
 
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.checker.stt_checker import files as checker_files
 from stt_codegen.checker.stt_checker.task import Task
 from tests.support.controllers import ROOT

@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import EmittedController, build_task

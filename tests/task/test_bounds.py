@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from stt_codegen.checker.stt_checker import bounds
 from stt_codegen.checker.stt_checker.exact import Unusable
 from stt_codegen.errors import BadInput
-from stt_codegen.files import json_object, parse_toml, read_input, reading
+from stt_codegen.files import bounded_reading, json_object, parse_toml, read_input
 from stt_codegen.files.bounded_toml import DEPTH_LIMIT, KEYS_LIMIT, PARTS_LIMIT, TABLES_LIMIT, WORD_LIMIT, require_bounded
 from stt_codegen.task import load_task
 from tests.support.controllers import ROOT
@@ -145,7 +145,7 @@ def test_a_pipe_is_read_and_a_device_is_refused_at_the_bound(tmp_path: Path) -> 
 
 
 def test_a_pipe_through_which_nothing_comes_is_given_up(tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr(reading, "PIPE_WAIT_LIMIT", 0.1)
+    monkeypatch.setattr(bounded_reading, "PIPE_WAIT_LIMIT", 0.1)
     os.mkfifo(tmp_path / "pipe")
     keeper = os.open(tmp_path / "pipe", os.O_RDWR)
     with pytest.raises(BadInput, match="nothing came for"):

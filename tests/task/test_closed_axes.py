@@ -26,7 +26,7 @@ import pytest
 import stt_codegen as stt
 from stt_codegen.certify.sampled.lost_turns import lost_turn
 from stt_codegen.certify.sampled.period import certify_period
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.checker.stt_checker import turns as checked_turns
 from stt_codegen.cli.show import show_design
 from stt_codegen.errors import BadInput

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 from typer.testing import CliRunner
 
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build
@@ -207,7 +207,7 @@ WRONG = [
     ("image: {image}", "image: [a, b]", ["image", "path"]),
     ("negate: 0", "a: &b [1]\nc: *b", ["line 5", "alias"]),
     ("negate: 0", "a: [[[[[[]]]]]]", ["line 4", "nested", "4 deep"]),
-    ("negate: 0", "a: " + "x" * 16384, ["more than 16384 bytes"]),
+    ("negate: 0", "a: " + "x" * 16384, ["more than 16,384 bytes"]),
     ("negate: 0", 'a: "\\UFFFFFFFF"', ["is no YAML"]),
     ("image", "- [", ["is no YAML"]),
     ("0.196", "0.7", ["free_thresh", "not above the second"]),

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 from benchmarks import rooms
 from benchmarks.oracles.rooms import ListedRoom, contains_box, corners_of, partition_fault, room_from_numbers, times_outside
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build
 from stt_codegen.record.check import check

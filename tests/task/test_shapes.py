@@ -18,7 +18,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from stt_codegen.checker.stt_checker import check_files
+from stt_codegen.checker import check_files
 from stt_codegen.checker.stt_checker.exact import Unusable
 from stt_codegen.checker.stt_checker.keys import refuse_unknown_keys
 from stt_codegen.checker.stt_checker.sets import FORMS, Inside

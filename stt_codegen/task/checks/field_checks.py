@@ -55,7 +55,7 @@ def structure_problem(task: TaskTables) -> str | None:
 
 
 def _name_problem(task: TaskTables) -> str | None:
-    """Return a message where the task's name is one that files or identifiers may not have, else None."""
+    """Return a message where the task's name is a word, a file or a device that its files would hide or meet, else None."""
     name = task.name
     if name.lower() in DEVICES:
         return f"name: {name!r} is a device of Windows, where no file {name}.c can be; choose another"

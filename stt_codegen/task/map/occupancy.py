@@ -194,7 +194,7 @@ def _pixels(header: MapHeader) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.ui
     except BadInput:
         raise
     except Exception:  # decoders raise what they like at a damaged image
-        raise BadInput(f"{image}: is damaged, or no {', '.join(IMAGE_FORMATS)}; {remedy}") from None
+        raise BadInput(f"{image}: is no image, or damaged; {', '.join(IMAGE_FORMATS)} are read; {remedy}") from None
     colours = pixels[..., :COLOURS]
     darkest = colours.max(axis=-1) if _dark_is_free(header) else colours.min(axis=-1)
     return darkest, colours.sum(axis=-1, dtype=np.uint16), np.asarray(pixels[..., COLOURS] == OPAQUE)
