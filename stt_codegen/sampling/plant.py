@@ -3,6 +3,7 @@
 f and g are lowered to a kernel like every other equation and evaluated in balls (Arb) on pieces of the box, so a bound holds for
 every state in it. The bounds on eigenvalues are Weyl's: those of the matrix of midpoints, proved by a Cholesky factor in balls,
 less the norm of the radii (the lemmas `plant.*`).
+Long because all bounds of a plant are found here, by one way of cutting its box.
 """
 
 from __future__ import annotations
