@@ -2,6 +2,7 @@
 
 An outline becomes unsafe sets (map/floor_plans.py) and the turns of closed axes become images of sets (closed_axes.py); every
 later stage reads the result. load.py and users of the Python interface make tasks.
+Long because a task is one class, with what follows from its fields.
 """
 
 from __future__ import annotations
