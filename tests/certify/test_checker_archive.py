@@ -25,11 +25,11 @@ MODULES = sorted((FOLDER / "stt_checker").glob("*.py"))
 # Lines that may be read; what computes again what the listings mean is read once.
 # 2,000 were wanted. Axes that close and covered starts are 240 of the rest, drives that lag, assumed plants and guards 205; messages that
 # name an axis, a line or a number, and one statement a line, are most of what remains.
-LINE_LIMIT = 2741  # of Python, without MEANING
+LINE_LIMIT = 2798  # of Python, without MEANING; 57 of them are bounds on files and streams
 LINE_LIMIT_OF_A_FILE = 225
 # 1,100 and 400 were wanted, for float or double, order 1, no period, no mission, no set that moves. What a task may state of its
 # drive, and the logarithm that the worst path shares, are 70.
-LINE_LIMIT_OF_AN_ORDINARY_READER = 1496  # of Python
+LINE_LIMIT_OF_AN_ORDINARY_READER = 1552  # of Python
 LINE_LIMIT_OF_AN_ORDINARY_LISTING = 420
 MEANING = ("meaning.py", "random_controllers.py", "translation.py")
 
