@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from stt_codegen.checker import check_files
 from stt_codegen.checker.stt_checker.exact import Refused, Unusable
 from stt_codegen.checker.stt_checker.formula import Cycle, of_entry, parse, satisfied
 from stt_codegen.checker.stt_checker.sets import hull_faces
@@ -626,3 +627,36 @@ def test_an_axis_with_a_tiny_period_is_turned_away_soon(tmp_path: Path) -> None:
     text = files["task.toml"].decode()
     text = text.replace("body = ", 'axes = ["x", "y"]\nperiodic = { y = 1e-9 }\nbody = ', 1)
     is_turned_away({**files, "task.toml": text.encode()}, tmp_path, (UNUSABLE,))
+
+
+# ------------------------------------------------------------------------------------------------ size and depth
+
+OVERSIZED: dict[str, tuple[str, bytes]] = {
+    "a dotted key": ("toml", b"a." * 30_000 + b"b = 1\n"),
+    "many dotted keys": ("toml", b"".join(b"a%d.b.c.d.e.f.g.h = 1\n" % k for k in range(40_000))),
+    "lists in lists": ("toml", b"z = " + b"[" * 100_000),
+    "a list of numbers": ("toml", b"body = [" + b"0.1, " * 500_000 + b"]\n"),
+    "digits": ("toml", b"z = 0x" + b"f" * 3_000_000),
+    "a task that is too large": ("toml", b"#" * 5_000_000),
+    "a C file that is too large": ("c", b"\n" * 5_000_000),
+    "a certificate of lists": ("json", b"[" * 100_000),
+    "a certificate that is too large": ("json", b" " * 17_000_000),
+}
+
+
+@pytest.mark.parametrize("attack", OVERSIZED)
+def test_a_file_beyond_a_bound_is_turned_away_soon(attack: str, tmp_path: Path) -> None:
+    kind, data = OVERSIZED[attack]
+    paths = [Path(argument) for argument in write_files(recorded_files("trolley"), tmp_path)]
+    path = paths[("toml", "c", "json").index(kind)]
+    path.write_bytes(data + path.read_bytes())
+    with soon():
+        code = check_files([str(argument) for argument in paths])
+    assert code == UNUSABLE
+
+
+def test_a_pipe_is_no_file_and_is_not_waited_for(tmp_path: Path) -> None:
+    arguments = write_files(recorded_files("trolley"), tmp_path)
+    os.mkfifo(tmp_path / "pipe")
+    for k in range(3):
+        assert check_files([*arguments[:k], str(tmp_path / "pipe"), *arguments[k + 1 :]]) == UNUSABLE
