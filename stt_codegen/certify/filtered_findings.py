@@ -123,6 +123,7 @@ def _start_finding(task: Task, design: RefinedDesign, errors: Sequence[Fraction]
         at_start,
         dimension=slack.dimension + 1,
         advice="lower initial_set.speed",
+        about=("initial_set.speed",) if any(task.start_speed) else (),
     )
 
 

@@ -113,7 +113,7 @@ def _report(error: Exception, program: str) -> int:
         text, code = f"internal error: {type(error).__name__}: {error}", 5
         say(f"stt-codegen: {text}; please report it with the traceback that STT_CODEGEN_DEBUG=1 shows")
     try:
-        if "--json" in sys.argv and code != 5:
+        if "--json" in sys.argv:
             print_json({"error": text, "exit_code": code})
         sys.stdout.flush()
     except OSError:

@@ -6,11 +6,14 @@ its seconds are over. Solvers and proofs call it between their steps, so the sea
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import KW_ONLY, dataclass, field
+
+from stt_codegen.errors import BadInput
 
 DEFAULT_SECONDS = 10.0
 # Of the seconds: until when other tubes are tried, and when the search for changes of the task ends. The rest is for the steps
@@ -41,6 +44,11 @@ class Effort:
     as_it_is: str = ""
     _begin: float = field(default_factory=time.monotonic)
     _reason: Callable[[], str] | None = None
+
+    def __post_init__(self) -> None:
+        """Raise `BadInput` where the seconds are no number of seconds."""
+        if not isinstance(self.seconds, int | float) or not 0 <= self.seconds < math.inf:
+            raise BadInput(f"effort: is {self.seconds!r:.40}; a number of seconds is needed, 0 or more")
 
     @property
     def elapsed(self) -> float:

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen import __version__
+from stt_codegen.effort import Effort
 from stt_codegen.errors import BadInput, about
 from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, parse_toml, read_input, read_task_text, write_files
 from stt_codegen.pipeline import EmittedController, build
@@ -24,6 +25,7 @@ from stt_codegen.task.map import input_files
 
 MANIFEST = "MANIFEST.json"
 MANIFEST_FORMAT = 1
+SEARCH_SECONDS = 600.0  # for the tube of a recorded task, which may have been found with a longer --effort on a quicker machine
 SIZE_LIMIT = 16_000_000  # bytes of a manifest; a folder takes about a kilobyte
 TOOLS = ("casadi", "highspy", "jinja2", "numpy")
 
@@ -168,7 +170,7 @@ def build_again(root: Path, entry: RecordedFolder) -> EmittedController | None:
     if not (root / entry.task).exists():
         return None
     with about(f"{root / MANIFEST}: {entry.folder}"):
-        return build(root / entry.task, entry.design, entry.scalar, entry.uncertified)
+        return build(root / entry.task, entry.design, entry.scalar, entry.uncertified, effort=Effort(SEARCH_SECONDS))
 
 
 def folder_of(controller: EmittedController) -> str:

@@ -25,12 +25,13 @@ from stt_codegen.compare.comparison import compare
 from stt_codegen.controller.edge_errors import edge_error, rate_error
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges
 from stt_codegen.designs.refined import RefinedDesign
+from stt_codegen.effort import Effort
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.foretold import describe_proof, drives_of
 from stt_codegen.loop.plants_at_bounds import corner_plants
 from stt_codegen.loop.simulate import DISTURBANCES, Loop, Scenario
 from stt_codegen.loop.simulate import random_start as draw_start
-from stt_codegen.pipeline import EmittedController, certify
+from stt_codegen.pipeline import EmittedController, build_task, certify
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.report.analysis import Analysis
@@ -476,3 +477,21 @@ def test_where_no_limit_outweighs_the_coupling_the_refusal_asks_for_less_couplin
     assert [list(remedy) for remedy in follow_remedies(coupled)] == [["plant.g_cross"]]
     remedies = follow_remedies(parse_task(text.format(0.3)).changed(control={"u_max": "0.8"}))
     assert ["control.u_max"] in [list(remedy) for remedy in remedies]
+
+
+@pytest.mark.parametrize(("speed", "rate"), [("0.3", "[tube]\nfilter = 0.8"), ("5", "")])
+def test_a_start_faster_than_the_tube_bears_is_refused_with_a_speed_that_it_bears(speed: str, rate: str) -> None:
+    """With a period: the distance to an edge of v + lambda x is not positive, so that rho at the start is infinite."""
+    text = f"""
+name = "t"
+prescribed_time = 7
+initial_state = [0.5]
+state_space = {{ lower = [0], upper = [5] }}
+initial_set = {{ lower = [0.1], upper = [0.9], speed = {speed} }}
+target_set = {{ lower = [4.1], upper = [4.9] }}
+control = {{ period = 0.03 }}
+plant = {{ order = 2, w_max = 0.05 }}
+{rate}
+"""
+    with pytest.raises(NotCertified, match=r"start \(P2\).*certified with initial_set\.speed = "):
+        build_task(parse_task(text), effort=Effort(15.0))

@@ -15,7 +15,7 @@ from benchmarks.suites.remedies import follow_remedies, remedies_of
 from stt_codegen import pipeline
 from stt_codegen.design.linear_programs.solver import LinearProgram
 from stt_codegen.effort import Effort, EffortSpent, require_effort
-from stt_codegen.errors import NotCertified, Reason
+from stt_codegen.errors import BadInput, NotCertified, Reason
 from stt_codegen.pipeline import build_task
 from stt_codegen.remedies import CertificationTests, find_remedies
 from stt_codegen.remedies.adjustments import adjustments_of
@@ -242,3 +242,9 @@ def test_a_refusal_keeps_its_parts_when_it_is_about_a_file(tmp_path: Path) -> No
         pipeline.build(path, effort=Effort(0.0))
     assert refusal.value.reason.codes
     assert str(refusal.value).startswith(f"{path}: ")
+
+
+@pytest.mark.parametrize("seconds", [float("nan"), -1, float("inf"), "x", None])
+def test_an_effort_that_is_no_number_of_seconds_is_bad_input(seconds: object) -> None:
+    with pytest.raises(BadInput, match="effort: is .*; a number of seconds is needed, 0 or more"):
+        Effort(seconds)  # type: ignore[arg-type]

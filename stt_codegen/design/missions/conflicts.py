@@ -23,7 +23,7 @@ from stt_codegen.decimals import above
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.missions.orders import OrderSearch, Stop
 from stt_codegen.design.missions.skeleton import END, SEAM, START, TOLERANCE, Skeleton, TimeBound
-from stt_codegen.design.missions.state_constraints import Mission
+from stt_codegen.design.missions.state_constraints import DELAY_FACTOR, Mission
 from stt_codegen.design.missions.waypoints import Waypoints
 
 SKELETON_LIMIT = 6  # skeletons that are examined
@@ -71,7 +71,9 @@ def describe_conflict(arena: Arena, waypoints: Waypoints, mission: Mission) -> s
     names = _event_names(best_skeleton)
     order_of_visits = ", ".join(name for name, _ in groupby(names[stop.event] for stop in best.stops[:-1]))
     bounds = ", ".join(arc.description for arc in cycle if arc.is_reported)
-    return f"the order of visits that comes nearest ({order_of_visits}) is at least {shortfall:g} s too long: {bounds}"
+    delay = mission.start_delay * arena.time_unit
+    kept = f" (start_delay takes {DELAY_FACTOR * delay:.3g} s from either end of every window)" if delay else ""
+    return f"the order of visits that comes nearest ({order_of_visits}) is at least {shortfall:g} s too long: {bounds}{kept}"
 
 
 def _minimally_widened_order(arena: Arena, waypoints: Waypoints, skeleton: Skeleton, limit: float) -> _WidenedOrder | None:

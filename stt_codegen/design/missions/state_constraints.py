@@ -31,6 +31,7 @@ from stt_codegen.task.mission import And, Formula, InRegion, Or, StateFormula, s
 from stt_codegen.task.sets import Unsafe
 
 WINDOW_MARGIN = 5e-4  # of t_c by which every window is narrower here, so that the clock has a margin
+DELAY_FACTOR = 4  # of start_delay, by which every window is narrower at either end
 PIECE_LIMIT = 400
 BOX_TOLERANCE = 1e-9  # by which a box may be outside, for its edges are rounded
 LABEL_LIMIT = 30_000  # an order of visits is found with some hundreds, for rounds of many visits with some thousands
@@ -166,7 +167,7 @@ def _is_avoidance(state: StateFormula) -> bool:
 
 def window_margin(task: Task) -> float:
     """Return by how much of t_c every window is narrower: both ends of an interval lose the delay, and knots are whole."""
-    return max(WINDOW_MARGIN, 4 * float(task.start_delay / task.prescribed_time))
+    return max(WINDOW_MARGIN, DELAY_FACTOR * float(task.start_delay / task.prescribed_time))
 
 
 def mission_of(task: Task, arena: Arena, formula: Formula | None = None) -> Mission | None:

@@ -19,6 +19,7 @@ from stt_codegen.sampling.sampled_loop import SampledLoop
 
 # P is at least so much of its largest value, and where nothing moves a component of G U, so that every path ends.
 SMALLEST_SPEED_SHARE, SMALLEST_INPUT_EFFECT = Fraction(1, 50), Fraction(1, 256)
+LARGEST_RHO = 2.0**100  # stands for a start at or outside an edge, from which no path is a proof
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +126,7 @@ class PathLoop:
                 u_max=None if law.u_max[i] == float("inf") else Fraction(law.u_max[i]),
                 rounding=Fraction(law.rounding),
                 filter_rate=rates[i],
-                rho_at_start=Fraction(loop.start[i]),
+                rho_at_start=Fraction(min(float(loop.start[i]), LARGEST_RHO)),
             )
             for i in range(n)
         ]
