@@ -50,7 +50,7 @@ class PathProof:
 def prove_path(loop: PathLoop) -> PathProof | None:
     """Prove that the loop stays in its tube, with the smallest rho that the search finds; None where no path does."""
     require_effort()
-    if loop.age > loop.largest_known_age:
+    if not loop.has_known_start:
         return None
     proof = _search(loop, is_local=False)
     return _search(loop, is_local=True) if proof is None and loop.has_windows else proof
@@ -58,7 +58,7 @@ def prove_path(loop: PathLoop) -> PathProof | None:
 
 def prove_path_for(loop: PathLoop, rho: Sequence[Fraction]) -> PathProof | None:
     """Prove that the loop stays in its tube with these rho by component; None where no path does."""
-    if loop.age > loop.largest_known_age:
+    if not loop.has_known_start:
         return None
     for is_local in (False, True):
         proof = _follow(loop, rho, is_local)

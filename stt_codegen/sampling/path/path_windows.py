@@ -142,6 +142,11 @@ class PathLoop:
             largest_known_age=loop.largest_known_age,
         )
 
+    @property
+    def has_known_start(self) -> bool:
+        """Whether every start is inside the tube, and no sample is older than what is known before the start."""
+        return self.age <= self.largest_known_age and all(law.rho_at_start < LARGEST_RHO for law in self.laws)
+
     def with_period(self, period: Fraction) -> PathLoop:
         """Return the same loop for another sampling period."""
         return replace(self, age=period + self.latency)
