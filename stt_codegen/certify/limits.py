@@ -22,7 +22,6 @@ from stt_codegen.constraints import control_authority, limit_constraints
 from stt_codegen.decimals import by_component
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign, demanded_accelerations
 from stt_codegen.properties import Property
-from stt_codegen.sampling import balancing_input
 from stt_codegen.task import Task, is_within_norm, shares_of_norm
 
 
@@ -105,6 +104,8 @@ def with_sufficient_norm(task: Task, design: RefinedDesign, findings: Iterable[F
 
 def _needed_input(task: Task, design: RefinedDesign) -> list[Fraction]:
     """Return by component the |u| that balances all that P8 counts."""
+    from stt_codegen.sampling import balancing_input
+
     bounds, n = task.plant_bounds, task.dimension
     closing_speed = np.array([float(b.force) for b in bounds]) + _demanded_rates(design)
     cross = np.array([[float(b.cross) * (i != j) for j in range(n)] for i, b in enumerate(bounds)])

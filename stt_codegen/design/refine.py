@@ -17,7 +17,6 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -120,7 +119,6 @@ def _search_or_refuse(task: Task) -> _SearchResult:
     return result
 
 
-@lru_cache(maxsize=1)  # a search for other tubes begins with the result for the first one
 def _search(task: Task) -> _SearchResult | None:
     return _search_preferred(task, _normalised_arena(task))
 

@@ -21,7 +21,7 @@ from stt_codegen.effort import Effort
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.program.targets.c.runner import CompiledC
-from stt_codegen.remedies import Trials
+from stt_codegen.remedies import CertificationTests
 from stt_codegen.remedies.adjustments import adjustments_of
 from stt_codegen.remedies.remedy_search import smallest_change
 from stt_codegen.report.figures.control_notes import choice_lines
@@ -302,7 +302,7 @@ def test_where_u_is_too_weak_the_first_remedy_that_is_tried_is_a_norm_that_works
     reason = pipeline.attempt(task, pipeline.preferred_tube(task)).certificate.reason
     adjustment = next(adjustments_of(task, reason))
     assert adjustment.keys == ("control.u_norm",)
-    change = smallest_change(task, adjustment, Trials(pipeline._quick_test(), pipeline._is_certified))
+    change = smallest_change(task, adjustment, CertificationTests(pipeline._quick_test(), pipeline._is_certified))
     assert change is not None
     certified = change.of(task)
     assert certified.control.u_norm is not None

@@ -46,6 +46,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "proves_limits": WITH_LIMITS,
     "proves_periods": {"control": {"period": Fraction(1, 100)}},
     "scales_input": {"control": {"saturate": "scale", "u_max": 3}},
+    "shares_norm": {"control": {"u_norm": 3}},
     "waits_outside": {"control": {"outside": "stop"}},
 }
 # Capabilities that commands, reports and interfaces need, and no task demands.
