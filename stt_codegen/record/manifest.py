@@ -14,9 +14,10 @@ import platform
 from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from stt_codegen import __version__
+from stt_codegen.design_kinds import DesignKind
 from stt_codegen.effort import Effort
 from stt_codegen.errors import BadInput, about
 from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, parse_toml, read_input, read_task_text, write_files
@@ -136,6 +137,9 @@ def read_manifest(root: Path) -> list[RecordedFolder]:
     except (ValueError, KeyError, TypeError, AttributeError):
         raise BadInput(f"{path}: is not a manifest of this tool; delete it and record the tasks again") from None
     for entry in entries:  # `--accept` removes files by these names
+        if entry.design not in get_args(DesignKind) or entry.scalar not in ("float", "double", "fixed"):
+            problem = f"has the design {entry.design!r:.20} in {entry.scalar!r:.20} for {entry.folder!r:.60}"
+            raise BadInput(f"{path}: {problem}, which this tool does not make; record the tasks again")
         for name in (entry.folder, *entry.sha256):
             if Path(name).is_absolute() or ".." in Path(name).parts or not Path(name).parts or "\0" in name:
                 raise BadInput(f"{path}: has the path {name!r:.60}, which leaves its folder; record the tasks again")

@@ -130,7 +130,7 @@ def test_a_writer_that_does_not_end_is_waited_for_and_then_one_message(kind: str
         second_writer.start()
         second_writer.join()
     assert len(messages) == 1
-    assert "ansecond_writer command has been writing here" in messages[0]
+    assert "another command has been writing here" in messages[0]
     assert (locks.LOCK_FILE in messages[0]) == (kind == "file")
     assert (tmp_path / "cart.c").read_bytes() == b"first"
     write_files(tmp_path, {"cart.c": b"third"})

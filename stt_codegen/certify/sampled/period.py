@@ -61,7 +61,8 @@ def certify_period(
     if proof is None:
         failure = explain_period(task, loop, evidence.longest)
         axis = None if failure.axis is None else failure.axis + 1
-        sufficient = sufficient_norm(task, [Fraction(v) for v in needed_input(loop).tolist()])
+        needed = needed_input(loop).tolist()
+        sufficient = sufficient_norm(task, [Fraction(v) for v in needed]) if all(map(math.isfinite, needed)) else ()
         sufficient += () if evidence.longest is None else (("control.period", evidence.longest.seconds),)
         finding = Finding(Property.PERIOD, _statement(task), margin, Fraction(0), dimension=axis, advice=failure.hint)
         return replace(finding, problem=failure.problem, sufficient=sufficient, about=failure.about), None
