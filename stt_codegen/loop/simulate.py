@@ -213,8 +213,9 @@ class Loop:
         samples = self._sample_count(end, scenario.rate)
         shares = np.array(scenario.shares or (1.0,) * task.dimension)
         drives = _drive_table(scenario)
-        bounds = (("--noise", scenario.noise), ("noise_v", scenario.noise_v))[: task.order]
-        measurement_errors = np.array([v for name, noise in bounds for v in entries_of(name, noise, task.dimension)])
+        bounds = (("--noise", scenario.noise), ("noise_v", scenario.noise_v))
+        entries = [entries_of(name, noise, task.dimension) for name, noise in bounds]  # refused also where no v is measured
+        measurement_errors = np.array([v for errors in entries[: task.order] for v in errors])
         setting = LoopSetting(
             n=task.dimension,
             sets=len(sets.names),

@@ -140,6 +140,8 @@ def propose_bounds(
     reason = _reason(task, worst, bounds_of_minus_g)
     if reason:
         return ProposedBounds(reason=reason)
+    if not all(map(math.isfinite, (*worst.disturbance, *worst.g_lower, *worst.g_upper, *worst.g_cross))):
+        return ProposedBounds(reason="a bound is beyond what a double holds")
     table = {
         "f_max": [_stated_above(Fraction(v) - w_bound) for v in worst.disturbance],
         "w_max": [_stated_above(w_bound)] if w_bound else [],
