@@ -152,7 +152,10 @@ JOBS = (
         tools=("cc",),
         helpers=("tests/emit",),
     ),
-    slow_tests("benchmarks/bench", "Arenas give the same results in one process, in two, and on a Dask cluster.", 0.5),
+    slow_tests(
+        "benchmarks/bench", "Arenas give the same results in one process, in two, and on a Dask cluster.", 0.5,
+        helpers=("benchmarks/ends.py",),
+    ),
     slow_tests(
         "certify/checker_claims", "The stand-alone checker refuses tubes that are bent and hashed again.", 1,
         helpers=(*CHECKED, *MUTANTS)

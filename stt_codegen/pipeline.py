@@ -185,20 +185,21 @@ def certified_attempt(task: Task, effort: Effort | None = None, *, accepts_failu
     first, refusal = _first_attempt(task)
     if first is not None and first.certificate.holds:
         return first
-    reason, is_stopped = refusal.reason, False
+    reason, result, is_stopped, has_tried_all = refusal.reason, None, False, True
     effort.announce_later(lambda: reason.problem)
     try:
         with effort.limit(TUBES_SHARE):
             result = _other_attempt(task, None if first is None else first.design)
+    except EffortSpent:
+        has_tried_all = False
     except KeyboardInterrupt:
         if not effort.ends_on_interrupt:
             raise
-        result, is_stopped = None, True
+        is_stopped = True
     if result is not None:
         return replace(result, replaces=_replacement_sentence(result, first, reason.problem))
     if first is not None and accepts_failure and not is_stopped:
         return first
-    has_tried_all = is_stopped or effort.elapsed < TUBES_SHARE * effort.seconds
     if not is_stopped:
         reason = _with_remedies(task, reason, effort)
     if not has_tried_all and reason.has_remedy:
@@ -219,14 +220,15 @@ def _first_attempt(task: Task) -> tuple[Attempt | None, NotCertified]:
 
 
 def _other_attempt(task: Task, first: Design | None) -> Attempt | None:
-    """Return the first of the other tubes that the task leaves open which is certified; None where none is, or time is over.
+    """Return the first of the other tubes that the task leaves open which is certified; None where none is.
 
-    Their order is fixed, so the time decides whether a certified tube is reached, and never which.
+    Their order is fixed, so the time decides whether a certified tube is reached, and never which. Raises `EffortSpent` where the
+    time is over.
     """
     alternatives = STAGES[task.tube.design].alternatives
     if alternatives is None:
         return None
-    with suppress(NotCertified, EffortSpent):
+    with suppress(NotCertified):
         for design in alternatives(task, first):
             with suppress(BadInput):  # integers may not hold this tube's numbers
                 result = _certified_with(task, design)
@@ -311,8 +313,9 @@ def _is_certified(task: Task, original: Task) -> bool:
         return True
     if not _leaves_more_tubes_open(task, original):
         return False
-    with Effort(RELEASED_SECONDS).limit(1.0):
+    with suppress(EffortSpent), Effort(RELEASED_SECONDS).limit(1.0):
         return _other_attempt(task, None if first is None else first.design) is not None
+    return False
 
 
 def _leaves_more_tubes_open(task: Task, original: Task) -> bool:

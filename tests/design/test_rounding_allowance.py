@@ -72,7 +72,7 @@ KINDS = {
     "order 2": maze(8, more="[plant]\norder = 2\n"),
     "mission, ticks, disc": shuttle(2, 14, f'{POST}[tube]\nsegments = 64\n[emit]\ntick_period = 0.001\nmath = "inline"\n'),
     "moving set": shuttle(2, 14, f"{CART}[tube]\nsegments = 128\n"),
-    "period, chosen gain": shuttle(1, 14, f"[tube]\nsegments = 64\n{SAMPLED}"),
+    "period, chosen gain": shuttle(1, 16, f"[tube]\nsegments = 64\n{SAMPLED}"),
     "for ever": shuttle(1, 0, PATROL).replace("prescribed_time = 1", "prescribed_time = 8\nrepeat = true"),
 }
 
@@ -173,8 +173,9 @@ def test_where_no_tube_has_the_larger_allowance_the_refusal_is_about_rounding(mo
 
 
 def test_a_fast_tube_with_enough_margin_keeps_the_usual_allowance() -> None:
-    """Its error is above the usual allowance, but a tube of order 2 touches no bound."""
-    task = parse_task(shuttle(1, 14, "[tube]\nsegments = 64\n[plant]\norder = 2\n"))
+    """Its error is above the usual allowance, but a tube of order 2 touches no bound of a wider room."""
+    text = shuttle(1, 14, "[tube]\nsegments = 64\n[plant]\norder = 2\n")
+    task = parse_task(text.replace("lower = [0]\nupper = [4]", "lower = [-1]\nupper = [5]"))
     usual = refine(task)
     assert max(edge_error_of_design(task, usual)) > lattice_of(task).allowance
     assert design_tube(task) == usual

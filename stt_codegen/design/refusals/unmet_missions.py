@@ -27,7 +27,8 @@ def explain_unmet_mission(task: Task, arena: Arena) -> Reason:
     """Return why no tube carries out the mission."""
     if excluded := excluded_regions(task):
         problem, hint = excluded
-        return Reason(f"{Property.MISSION.label}: {problem}", hint, codes=(Property.MISSION.code,), has_remedy=False)
+        problem, entries = f"{Property.MISSION.label}: {problem}", tuple(f"mission[{k}]" for k in range(len(task.mission)))
+        return Reason(problem, hint, codes=(Property.MISSION.code,), has_remedy=len(entries) > 1, about=entries)
     mission = mission_of(task, arena)
     assert mission is not None
     search = search_of(arena, starting_box(arena), segment_counts_of(task, arena), mission)
