@@ -28,8 +28,8 @@ def sampling_lines(sampling: SamplingReport, tick_period: float | None) -> Itera
     if sampling.has_drive:
         yield Line(f"sampling: {Property.PERIOD.label} alone counts the drive of [plant]; no other gain or period is looked for")
         return
-    beside = f"beside {Property.PERIOD.label}, by conditions at each time alone" if sampling.has_proved_period else "proved"
-    yield Line(f"sampling, {beside} for {sampling.plant} from every start with {sampling.starts}:")
+    proved = f"proved without the worst path that {Property.PERIOD.label} follows," if sampling.has_proved_period else "proved"
+    yield Line(f"sampling, {proved} for {sampling.plant} from every start with {sampling.starts}:")
     at_this_gain = sampling.at_this_gain
     if at_this_gain is None and sampling.has_proved_period:
         yield Line("no period: the worst path alone proves it", is_detail=True)
