@@ -224,6 +224,12 @@ def test_shorter_periods_are_whole_ticks() -> None:
 
 def test_a_change_that_leaves_other_tubes_open_is_tried_with_them() -> None:
     """The preferred tube of the changed task is the one that fails; the next run would try others."""
+    open_task = arena_task(FAMILIES["paper"], 36).changed(
+        plant={"order": 2, "w_max": "0.1"}, control={"period": "0.01", "u_max": "3"}
+    )
+    stated = open_task.changed(tube={"prefer": "balanced"})
+    assert not pipeline._quick_test(open_task)(open_task)  # its preferred tube is too fast for u_max
+    assert pipeline._quick_test(stated)(open_task)
     task = parse_task(task_text("inertia", 29)).changed(tube={"prefer": "balanced"})
     with pytest.raises(NotCertified, match=r"certified without tube\.prefer"):
         build_task(task)
