@@ -175,9 +175,11 @@ def _require_wide_sets(task: Task, min_widths: Sequence[Fraction], allowance: Fr
                 )
                 hint = "widen the set"
                 if width > min_width or width <= 6 * allowance:
-                    hint = f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
-                    hint += ', or use "float"' if task.emit.scalar == "fixed" else ""
-                raise NotCertified(Reason(problem, hint, codes=(Property.WIDTH.code,), axis=i))
+                    problem += f"; the coordinates are too large for a tube in {task.emit.scalar}"
+                    hint = "move the origin near the task" + (', or use "float"' if task.emit.scalar == "fixed" else "")
+                # in doubles no option makes room for so much rounding
+                has_remedy = width > 6 * allowance or task.emit.scalar == "float"
+                raise NotCertified(Reason(problem, hint, codes=(Property.WIDTH.code,), axis=i, has_remedy=has_remedy))
 
 
 def _box(constraints: Sequence[Constraint], margin: Fraction, origin: Sequence[Fraction]) -> Array:

@@ -74,9 +74,9 @@ def adjustments_of(task: Task, reason: Reason) -> Iterator[Adjustment]:
     axis, codes = reason.axis, set(reason.codes)
     in_order = (*_settings(task), *_sampling(task), *_times(task), *_tube(task, axis), *_robot(task, axis), *_entries(task))
     known = dict(reason.sufficient)
-    first_keys = set(reason.about)
+    ranks = {key: rank for rank, key in enumerate(reason.about)}  # the keys that the problem is about come first, in their order
     useful = [a for a in in_order if (not codes or a.codes & codes) and not task.overridden_keys & set(a.keys)]
-    for adjustment in sorted(useful, key=lambda a: not first_keys & set(a.keys)):
+    for adjustment in sorted(useful, key=lambda a: min(ranks.get(key, len(ranks)) for key in a.keys)):
         if len(adjustment.keys) == 1 and (value := known.get(adjustment.keys[0])) is not None:
             yield _near(task, adjustment, value)
         else:
