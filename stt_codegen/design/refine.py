@@ -12,7 +12,6 @@ coefficients alone.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
@@ -44,6 +43,7 @@ from stt_codegen.task import Task
 
 SPEED_CAPS = (2, 1, 4, 16)  # times the speed needed without bounds by component: the limits that are tried, in this order
 ADVICE_LABEL_LIMIT = 3_000  # labels of a search for an order of visits, for advice: it is made some dozens of times
+MANY_SEGMENTS = 512  # where sets move or a mission has times, and no tube of fewer segments is found
 FILTERED_TUBES = 2  # for which other filter rates are tried, where no tube is certified with its own
 SLOWEST_TOLERANCE = 1.01  # a tube so many times as fast as the slowest counts as slow as it, and the widest of these is taken
 
@@ -64,10 +64,13 @@ def alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDes
     """Yield other tubes of the task, for the case that its first one is not certified: those that it leaves open.
 
     First come tubes of other widths, where the task states no `tube.prefer`; then other plans of a mission, more segments, and
-    for order 2 other filter rates. Tubes that are no better for the period than the first are left out. Every tube is rounded
-    and has its filter. first: None where there is none.
+    for order 2 other filter rates. Tubes that are no better for the period than the first are left out, but for those with other
+    filter rates. Every tube is rounded and has its filter. first: None where there is none.
     """
     result = _search(task)
+    if result is None and task.tube.segments is None and (task.mission or task.has_timed_sets):
+        task = task.changed(tube={"segments": MANY_SEGMENTS})
+        result = _search(task)
     if result is None:
         return
     search = without_solver_cache(result.search)
@@ -91,7 +94,8 @@ def alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDes
             yield from promising([design])
     if task.order == 2 and task.filter is None:
         best = sorted(designs, key=lambda design: strength_of(task, design, allowance).crossing_time, reverse=True)
-        yield from promising(itertools.chain.from_iterable(with_other_filters(task, design) for design in best[:FILTERED_TUBES]))
+        for design in best[:FILTERED_TUBES]:  # with noise a faster filter may be better although it is quicker to cross
+            yield from with_other_filters(task, design)
 
 
 def _other_plans_and_segments(search: TubeSearch) -> Iterator[SplineTube]:

@@ -3,6 +3,7 @@
 from stt_codegen.sampling.continuous import continuous_input_bound, epsilon_star, epsilon_star_norm, holds_saturated, holds_scaled
 from stt_codegen.sampling.gains import (
     LIMIT_FACTORS,
+    SMALL_LIMIT_FACTORS,
     WORTHWHILE_PERIOD_RATIO,
     GainChoice,
     Gains,
@@ -60,6 +61,7 @@ __all__ = [
     "LIMIT_FACTORS",
     "ROUNDING",
     "SAMPLING_CONDITIONS",
+    "SMALL_LIMIT_FACTORS",
     "WORTHWHILE_PERIOD_RATIO",
     "Bounds",
     "Fractions",

@@ -44,6 +44,8 @@ WORTHWHILE_PERIOD_RATIO = 1.2  # a limit on u is suggested where it allows a per
 INPUT_MARGIN_FACTOR = 1.1  # times the input that is needed, where a limit on u is suggested
 GAIN_DIGITS = 3  # of a suggested gain
 LIMIT_FACTORS = tuple(Fraction(v) for v in ("1.5", "1.8", "2.2", "2.7"))  # times the needed input, of a limit that is chosen
+# the same, where none of those is proved: the smaller the limit, the longer a late input may act, until u is hardly enough
+SMALL_LIMIT_FACTORS = tuple(Fraction(v) for v in ("1.25", "1.1", "1.03"))
 LIMIT_DIGITS = 3
 SMALLEST_INPUT_SHARE = 0.02  # of the largest needed input: what a component has that nothing moves
 

@@ -158,8 +158,8 @@ class ControlOptions(TomlTable):
     )
     u_max: PerComponentOrAuto | None = Field(
         default=None,
-        description='saturation of the emitted u, or one bound for each component; "auto": 1.5 times what is needed, or more '
-        'with a lag; absent: none, or "auto" with a period',
+        description='saturation of the emitted u, or one bound for each component; "auto": 1.5 times what is needed, more '
+        'with a lag, less where only that is proved; absent: none, or "auto" with a period',
     )
     u_norm: Positive | None = Field(
         default=None,

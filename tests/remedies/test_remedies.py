@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 
@@ -134,6 +135,51 @@ def test_what_another_preference_certifies_is_certified_without_one(seed: int) -
     assert f"least width {width:.4g} in place of {float(preferred.certificate.minimum_width):.4g}" in controller.replaces
     assert f"peak speed {speed:.4g} in place of" in controller.replaces
     assert not build_task(task.changed(tube={"prefer": "period"})).replaces
+
+
+LINE = """
+name = "line"
+prescribed_time = {time}
+initial_state = [{start}]
+state_space = {{ lower = [0], upper = [5] }}
+initial_set = {{ lower = [{low}], upper = [{high}] }}
+target_set = {{ lower = [4], upper = [4.8] }}
+control = {{ period = {period} }}
+plant = {{ order = 2, w_max = 0.24, noise = {noise} }}
+"""
+LATE_VISIT = """
+name = "late"
+prescribed_time = 12
+initial_state = [0.5, 0.5]
+state_space = { lower = [0, 0], upper = [10, 10] }
+initial_set = { lower = [0.2, 0.2], upper = [0.8, 0.8] }
+target_set = { lower = [5, 0.2], upper = [5.8, 0.8] }
+tube = { min_width = 0.5 }
+region = [{ name = "a", lower = [4, 7.5], upper = [4.505, 8.005] }]
+mission = [{ visit = "a", between = [8.4, 11.4] }]
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "changes"),
+    [
+        (LINE.format(time=5.7, start=0.87, low=0.38, high=1.36, period=0.111, noise=0), {"control": {"u_max": "1.97"}}),
+        (
+            LINE.format(time=7.1, start=0.58, low=0.36, high=0.8, period=0.0863, noise=0.007),
+            {"tube": {"filter": "2.5"}, "control": {"u_max": "4"}},
+        ),
+        (LATE_VISIT, {"tube": {"segments": 512}}),
+    ],
+    ids=["control.u_max", "tube.filter", "tube.segments"],
+)
+def test_what_a_stated_option_certifies_is_certified_where_it_is_open(
+    text: str, changes: Mapping[str, Mapping[str, object]]
+) -> None:
+    """The first option is the one that is open; the other ones are stated in both tasks."""
+    (table, options), *others = changes.items()
+    task = parse_task(text).changed(**dict(others))
+    assert build_task(task.changed(**{table: options})).certificate.holds
+    assert build_task(task).certificate.holds
 
 
 def designed(task: Task) -> tuple[Task, pipeline.Design, pipeline.Program]:

@@ -13,6 +13,7 @@ from stt_codegen.certify.sampled.late_inputs import disturbances
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.sampling import (
     LIMIT_FACTORS,
+    SMALL_LIMIT_FACTORS,
     Gains,
     SampledLoop,
     balancing_gain,
@@ -52,7 +53,8 @@ def choose_control(task: Task, design: RefinedDesign, edge_error: Sequence[Fract
 
     u_max is 1.5 times the needed input, or what control.u_norm leaves of that. Where the drive lags it is the first of
     LIMIT_FACTORS that is proved with the reserve, or the one with the largest part of it; the same where 1.5 times is not proved
-    at all. edge_error, rate: bounds on the arithmetic's error of an edge and of its rate, by dimension.
+    at all. Where none of them is proved it is the largest of SMALL_LIMIT_FACTORS that is. edge_error, rate: bounds on the
+    arithmetic's error of an edge and of its rate, by dimension.
     """
     task, errors = with_assumed_plant(task, design.edge_speed_bounds()), (edge_error, rate)
     if not (task.has_automatic_limit or task.has_automatic_gain):
@@ -63,6 +65,8 @@ def choose_control(task: Task, design: RefinedDesign, edge_error: Sequence[Fract
         choices.append(_with_gain(task_with_limit, design, errors, task.reserve))
         if choices[-1].reserve >= (1 if acts_at_once else task.reserve):
             break
+    if not any(choice.is_proved for choice in choices) and task.has_automatic_limit:
+        choices += _with_small_limit(task, design, errors)
     best = max(choices, key=lambda choice: (choice.reserve, choice.is_proved))
     if best.is_proved or not task.has_automatic_gain:
         return best.task
@@ -75,10 +79,11 @@ def is_any_control_proved(
 ) -> bool:
     """Return whether the worst path or the sharp conditions prove the period for a choice of what the task leaves open.
 
-    Of the limits of u that `choose_control` tries, the smallest and the largest are tried here, and no reserve is asked for.
+    Of the limits of u that `choose_control` tries, the first, the smallest and the largest are tried here, and no reserve is
+    asked for.
     """
     task, errors = with_assumed_plant(task, design.edge_speed_bounds()), (edge_error, rate)
-    limited_tasks = _with_limits(task, design, errors, (LIMIT_FACTORS[0], LIMIT_FACTORS[-1]))
+    limited_tasks = _with_limits(task, design, errors, (LIMIT_FACTORS[0], SMALL_LIMIT_FACTORS[-1], LIMIT_FACTORS[-1]))
     if task.control.u_norm is not None:  # without authority no gain is proved, and the search would take long to say so
         limited_tasks = (v for v in limited_tasks if _has_authority(loop_of(v, design, *errors)))
     return any(_with_gain(limited_task, design, errors, Fraction(1)).is_proved for limited_task in limited_tasks)
@@ -97,6 +102,16 @@ def _with_limits(task: Task, design: RefinedDesign, errors: ArithmeticErrors, fa
     loop = loop_without_limits(task, design, *errors)
     limits = dict.fromkeys(limits_for(task, loop, factor) for factor in factors)  # control.u_norm may leave the same of several
     yield from (task.with_choices(u_max=limit) for limit in limits)
+
+
+def _with_small_limit(task: Task, design: RefinedDesign, errors: ArithmeticErrors) -> list[ControlChoice]:
+    """Return the choice with the largest of the small limits that is proved; none where not even the smallest is."""
+    *larger, smallest = _with_limits(task, design, errors, SMALL_LIMIT_FACTORS)
+    smallest_choice = _with_gain(smallest, design, errors, task.reserve)
+    if not smallest_choice.is_proved:
+        return []
+    choices = (_with_gain(task_with_limit, design, errors, task.reserve) for task_with_limit in larger)
+    return [next((choice for choice in choices if choice.is_proved), smallest_choice)]
 
 
 def _with_gain(task: Task, design: RefinedDesign, errors: ArithmeticErrors, reserve: Fraction) -> ControlChoice:

@@ -37,7 +37,7 @@ def choice_lines(controller: EmittedController) -> Iterator[str]:
     if task.has_chosen_limit and task.u_max is not None:
         needed = needed_input(loop_of(task, design, *errors))
         factor = min((float(u) / v for u, v in zip(task.u_max, needed.tolist(), strict=True) if v), default=math.inf)
-        yield f"u_max {by_component(task.u_max)} was chosen: {factor:.2g} times what balances disturbances and edges"
+        yield f"u_max {by_component(task.u_max)} was chosen: {factor:.3g} times what balances disturbances and edges"
     if task.has_tight_gain:
         yield f"gain {by_component([abs(k) for k in task.gain])} was chosen: of those that are tried it keeps |e| smallest"
     if task.has_gentle_gain:
