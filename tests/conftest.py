@@ -24,6 +24,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def longer_effort(monkeypatch: pytest.MonkeyPatch) -> None:
     """Give the search for remedies more time than a user waits, so that no refusal depends on how busy the machine is."""
     monkeypatch.setattr("stt_codegen.effort.effort.DEFAULT_SECONDS", 60.0)
+    if "stt_codegen.pipeline" in sys.modules:
+        monkeypatch.setattr("stt_codegen.pipeline.RELEASED_SECONDS", 30.0)
     if "stt_codegen.cli.options" in sys.modules:
         monkeypatch.setattr("stt_codegen.cli.options.DEFAULT_SECONDS", 60.0)
     if "stt_codegen.api" in sys.modules:

@@ -12,6 +12,7 @@ coefficients alone.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
@@ -64,8 +65,8 @@ def alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDes
     """Yield other tubes of the task, for the case that its first one is not certified: those that it leaves open.
 
     First come tubes of other widths, where the task states no `tube.prefer`; then other plans of a mission, more segments, and
-    for order 2 other filter rates. Tubes that are no better for the period than the first are left out, but for those with other
-    filter rates. Every tube is rounded and has its filter. first: None where there is none.
+    for order 2 other filter rates. Tubes that are no better for the period than the first are left out, but with noise for
+    other filter rates. Every tube is rounded and has its filter. first: None where there is none.
     """
     result = _search(task)
     if result is None and task.tube.segments is None and (task.mission or task.has_timed_sets):
@@ -94,8 +95,9 @@ def alternatives(task: Task, first: RefinedDesign | None) -> Iterator[RefinedDes
             yield from promising([design])
     if task.order == 2 and task.filter is None:
         best = sorted(designs, key=lambda design: strength_of(task, design, allowance).crossing_time, reverse=True)
-        for design in best[:FILTERED_TUBES]:  # with noise a faster filter may be better although it is quicker to cross
-            yield from with_other_filters(task, design)
+        filtered = itertools.chain.from_iterable(with_other_filters(task, design) for design in best[:FILTERED_TUBES])
+        # with noise a faster filter may be better although its tube is quicker to cross
+        yield from filtered if task.has_noise else promising(filtered)
 
 
 def _other_plans_and_segments(search: TubeSearch) -> Iterator[SplineTube]:

@@ -217,7 +217,7 @@ def test_the_limit_is_one_and_a_half_times_what_is_needed_and_more_with_a_lag_on
 
 def test_a_limit_that_is_chosen_is_told_and_a_task_without_a_period_is_warned() -> None:
     controller = build_once(parse_task(STATED))
-    assert any(line.startswith("u_max [") and "1.5 times" in line for line in choice_lines(controller))
+    assert any(line.startswith("u_max [") and "1.51 times" in line for line in choice_lines(controller))
     for name in ("cart.h", "cart.c", "cart.py"):
         text = re.sub(r"\s[*#]?\s*", " ", controller.files[name].decode())
         assert "which was chosen" in text

@@ -176,8 +176,8 @@ def test_what_a_stated_option_certifies_is_certified_where_it_is_open(
     text: str, changes: Mapping[str, Mapping[str, object]]
 ) -> None:
     """The first option is the one that is open; the other ones are stated in both tasks."""
-    (table, options), *others = changes.items()
-    task = parse_task(text).changed(**dict(others))
+    (table, options), *stated_tables = changes.items()
+    task = parse_task(text).changed(**dict(stated_tables))
     assert build_task(task.changed(**{table: options})).certificate.holds
     assert build_task(task).certificate.holds
 
