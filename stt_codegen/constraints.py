@@ -90,6 +90,8 @@ def width_statement(task: Task) -> str:
 
 def clearance_statement(task: Task, count: int) -> str:
     """Return what P4 says in words about so many unsafe sets."""
+    if len(set(task.clearances)) > 1:
+        return f"gamma, grown by {by_dimension(task.clearances)} to both sides, meets none of {count} unsafe sets"
     return f"gamma at least {by_dimension(task.clearances)} from each of {count} unsafe sets"
 
 

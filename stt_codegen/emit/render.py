@@ -143,8 +143,11 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
     """Return the lines of every file that say what is proved about it, or loudly that nothing is."""
     if not certificate.holds:
         return _warning(certificate)
+    clearances = by_dimension(task.clearances)
+    is_one = len(set(task.clearances)) == 1
+    clearance = f" keeps {clearances} from every" if is_one else f", grown by {clearances} to both sides, meets no"
     lines = [
-        f"Certified ({task.name}.certificate.json): for every t the tube keeps {by_dimension(task.clearances)} from every",
+        f"Certified ({task.name}.certificate.json): for every t the tube{clearance}",
         f"unsafe set, stays in the state space, is at least {by_dimension(task.min_widths)} wide, and "
         + (_end_of_tube(task) if task.target_set is None else "ends in the target set."),
         *turns_notice(task),

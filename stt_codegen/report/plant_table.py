@@ -100,17 +100,24 @@ def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
 
 
 def _sufficient_bound(task: Task, kind: str, value: float, i: int) -> str:
-    """Return the key of [plant] with a value that covers component i; empty where a task takes no such value."""
+    """Return the key of [plant] with a value that covers component i; empty where a task takes no such value.
+
+    Of a list the other entries stay.
+    """
     if not math.isfinite(value):
         return ""
     if kind == "disturbance":
         w_max = task.plant.w_max or Fraction(0)
-        key, number = "plant.f_max", _stated_above(Fraction(value) - (w_max[i] if isinstance(w_max, tuple) else w_max))
+        name, number = "f_max", _stated_above(Fraction(value) - (w_max[i] if isinstance(w_max, tuple) else w_max))
     elif kind == "g_lower":
-        key, number = "plant.g_min", below(Fraction(value), 4)
+        name, number = "g_min", below(Fraction(value), 4)
     else:
-        key, number = {"g_upper": "plant.g_max", "g_cross": "plant.g_cross"}[kind], _stated_above(Fraction(value))
-    return f"{key} = {number:g}" if _is_in_range(number) else ""
+        name, number = {"g_upper": "g_max", "g_cross": "g_cross"}[kind], _stated_above(Fraction(value))
+    if not _is_in_range(number):
+        return ""
+    stated = getattr(task.plant, name)
+    values = [number if j == i else v for j, v in enumerate(stated)] if isinstance(stated, tuple) else [number]
+    return f"plant.{name} = {by_component(values)}"
 
 
 def _digits(value: float, rounding: Callable[[Fraction, int], float]) -> str:

@@ -9,6 +9,7 @@ Long because all three searches share the candidates and the proof of a range.
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -30,7 +31,7 @@ from stt_codegen.sampling.periods import (
     smallest_bound_candidate,
 )
 from stt_codegen.sampling.sampled_loop import SampledLoop
-from stt_codegen.task import Task, is_within_norm, shares_of_norm
+from stt_codegen.task import SMALLEST_SHARE, Task, is_within_norm, shares_of_norm
 
 Array = npt.NDArray[np.float64]
 GAIN_MULTIPLES = np.geomspace(1e-2, 1e2, 25)  # times the balancing gain
@@ -47,7 +48,6 @@ LIMIT_FACTORS = tuple(Fraction(v) for v in ("1.5", "1.8", "2.2", "2.7"))  # time
 # the same, where none of those is proved: the smaller the limit, the longer a late input may act, until u is hardly enough
 SMALL_LIMIT_FACTORS = tuple(Fraction(v) for v in ("1.25", "1.1", "1.03"))
 LIMIT_DIGITS = 3
-SMALLEST_INPUT_SHARE = 0.02  # of the largest needed input: what a component has that nothing moves
 
 
 def longest_proved_period_from(shortest_period: float, kind: str, loop: SampledLoop) -> Period | None:
@@ -84,16 +84,16 @@ def limits_for(task: Task, loop: SampledLoop, factor: Fraction) -> tuple[Fractio
     """Return the limit of |u| by component: `factor` times the needed input, rounded up, or what control.u_norm leaves of it.
 
     loop: in doubles, its u_max is not read. A component that nothing moves has a small part of the others' input; where nothing
-    moves at all, enough to cross the tube in its time. Beside limits that the task states, u_norm is used up to its end.
+    moves at all, enough to cross the tube in its time. Limits that the task states beside control.u_norm hold too.
     """
     needed, norm, stated = needed_input(loop), task.control.u_norm, task.stated_u_max
     crossing_speed = loop.windows.wide.max(axis=0) / loop.windows.times[-1]
-    floor = needed.max() * SMALLEST_INPUT_SHARE if needed.any() else crossing_speed
-    inputs = [Fraction(v) for v in np.maximum(needed, floor).tolist()]
-    limits = tuple(Fraction(str(above(factor * v, LIMIT_DIGITS))) for v in inputs)
-    if norm is None or (stated is None and is_within_norm(limits, norm)):
+    floor = needed.max() * float(SMALLEST_SHARE) if needed.any() else crossing_speed
+    inputs = np.maximum(needed, floor)
+    limits = tuple(Fraction(str(above(factor * Fraction(v), LIMIT_DIGITS))) for v in inputs.tolist())
+    if norm is None or (is_within_norm(limits, norm) and all(map(operator.le, limits, stated or limits))):
         return limits
-    return shares_of_norm(inputs, norm, stated)
+    return shares_of_norm([Fraction(v) for v in (needed if needed.any() else inputs).tolist()], norm, stated)
 
 
 def balancing_gain(loop: SampledLoop) -> Array:

@@ -24,20 +24,19 @@ def is_within_norm(limits: Sequence[Fraction], norm: Fraction) -> bool:
 def shares_of_norm(needed: Sequence[Fraction], norm: Fraction, caps: Sequence[Fraction] | None = None) -> tuple[Fraction, ...]:
     """Return the largest limits of |u_i| in proportion to the needed inputs with which |u| stays within the norm.
 
-    needed: by component, 0 or more. caps: limits that hold besides; what a capped component leaves goes to the others. Each limit
-    is a decimal that is rounded down, and greater than 0.
+    needed: by component, 0 or more, in balance: each outweighs what acts while the others push by as much as they need. So all
+    grow by one factor, for a component with more than its part would push the others by more. A component that needs nothing
+    gets SMALLEST_SHARE of the largest. caps: limits that hold besides. Each limit is a decimal that is rounded down, and
+    greater than 0.
     """
     largest = max(needed)
     parts = [max(v, largest * SMALLEST_SHARE) if largest else Fraction(1) for v in needed]
-    limits: dict[int, Fraction] = {}
-    while len(limits) < len(parts):
-        free = [i for i in range(len(parts)) if i not in limits]
-        remaining = norm**2 - sum((v * v for v in limits.values()), Fraction(0))
-        factor = Fraction(math.sqrt(remaining / sum(parts[i] ** 2 for i in free)) * (1 - ROOT_MARGIN))
-        capped = [i for i in free if caps is not None and caps[i] <= factor * parts[i]]
-        limits |= {i: caps[i] for i in capped} if caps is not None else {}
-        if not capped:
-            limits |= {i: Fraction(str(below(factor * parts[i], SHARE_DIGITS))) for i in free}
-    result = tuple(limits[i] for i in range(len(parts)))
-    assert is_within_norm(result, norm)
-    return result
+    factor = Fraction(float(norm) / math.sqrt(sum(v * v for v in parts)) * (1 - ROOT_MARGIN))
+    if caps is not None:
+        factor = min([factor, *(cap / v for cap, v in zip(caps, needed, strict=True) if v)])
+    limits = [factor * v for v in parts]
+    if caps is not None:
+        limits = list(map(min, limits, caps))
+    shares = tuple(Fraction(str(below(v, SHARE_DIGITS))) for v in limits)
+    assert is_within_norm(shares, norm)
+    return shares

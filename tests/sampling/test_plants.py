@@ -20,7 +20,7 @@ from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_task
 from stt_codegen.plants import PLANTS, Plant, model, plant_of
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.plant_table import propose_bounds, uncovered_bounds
+from stt_codegen.report.plant_table import component_extremes, propose_bounds, uncovered_bounds
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task, minimum_eigenvalue
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.schema import PlantBounds
@@ -246,8 +246,30 @@ def test_a_bound_that_does_not_cover_the_plant_is_named_with_its_value() -> None
         assert uncovered_with((min if name == "g_min" else max)(advised)) == []
 
 
+@pytest.mark.parametrize("name", ["f_max", "g_max", "g_cross", "g_min"])
+def test_the_value_that_is_advised_for_an_axis_covers_it_and_uncovers_no_other(name: str) -> None:
+    """The table has lists. The lines are followed one after the other, as a reader would."""
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text()
+    bounds = [PlantEnclosure(PLANTS["arm"], 2, 1).over([(0.1, 0.6), (-0.3, 0.4)])]
+    worst = component_extremes(bounds)
+    table = {"f_max": worst.disturbance, "g_max": worst.g_upper, "g_cross": worst.g_cross, "g_min": worst.g_lower}
+    stated = {key: [f"{v * (0.5 if key == 'g_min' else 2):.6g}" for v in values] for key, values in table.items()}
+    stated[name] = [f"{v * (1.1 if name == 'g_min' else 0.9):.6g}" for v in table[name]]
+
+    def uncovered() -> list[str]:
+        lines = ("[plant]", *(f"{key} = [{', '.join(values)}]" for key, values in stated.items()))
+        return uncovered_bounds(with_table(text, lines), bounds)
+
+    for left in (2, 1):
+        lines = uncovered()
+        assert len(lines) == left
+        advised = re.search(rf"plant\.{name} = (.*) covers it$", lines[0])[1]
+        stated[name] = advised[1:-1].split(", ") if advised.startswith("[") else [advised] * 2
+    assert uncovered() == []
+
+
 def test_bounds_with_an_unknown_payload_are_near_the_sampled_ones() -> None:
-    """Of the arm with 0 to 0.3 kg in its hand: every sample is within them, and none is wider than 1.6 times the samples."""
+    """Of the arm with 0 to 0.3 kg in its hand: every sample of |f + w| and |g_ij| is within them; they are not far wider."""
     plant, box, drift = plant_of(str(ROOT / "tasks" / "arm.py"), 2, 2), [(-0.3, 0.3), (0.5, 1.1), (-1, 1), (-1, 1)], [0.02, 0.02]
     bounds, function, draw = PlantEnclosure(plant, 2, 1, 2).over(box, drift), model(plant, 2, 2), random.Random(4)
 

@@ -49,14 +49,12 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
     if weak is not None:
         needed, limit = needed_input(loop)[weak], loop.law.u_max[weak]
         against = f"|u| = {above(Fraction(needed), 3):g} balances what the edges, f, w and coupling do at most"
-        norm = task.control.u_norm if task.has_chosen_limit else None
-        limit_words = (
-            f"control.u_max is {limit:g}" if norm is None else f"control.u_norm = {decimal(norm)} leaves {limit:g} there"
-        )
-        hint = f"raise {task.limit_key} or prescribed_time"
-        return PeriodFailure(
-            f"in {task.axis_words[weak]} {against}, and {limit_words}", weak, hint, (task.limit_key, "prescribed_time")
-        )
+        key, norm = task.limit_key(weak), task.control.u_norm
+        limit_words = f"{key} is {limit:g}"
+        if key == "control.u_norm" and norm is not None:
+            limit_words = f"{key} = {decimal(norm)} leaves {limit:g} there"
+        problem = f"in {task.axis_words[weak]} {against}, and {limit_words}"
+        return PeriodFailure(problem, weak, f"raise {key} or prescribed_time", (key, "prescribed_time"))
     gain = f"gain {by_component(task.gain)}"
     if task.uses_differences:  # the error of v is known for the task's own period alone
         problem = f"control.period = {decimal(task.sampling_period)} s is not proved with {gain} and a velocity by differences"
@@ -64,7 +62,7 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
     if longest is not None and longest.seconds > 0:
         problem = f"control.period = {decimal(task.sampling_period)} s is too long"
         problem += f"; {below(longest.seconds, 3):g} s is the longest that is proved with {gain}"
-        hint, about = f"lower control.period, or raise {task.limit_key}", ("control.period",)
+        hint, about = f"lower control.period, or raise {task.limit_key()}", ("control.period",)
         begin, end, dimension = longest.bottleneck or (0.0, 0.0, 0)
         if not dimension:
             return PeriodFailure(problem, None, hint, about)

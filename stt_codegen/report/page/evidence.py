@@ -162,12 +162,19 @@ def format_margin(finding: Finding) -> str:
     return f"{float(finding.margin):.3g}{' s' if finding.is_in_seconds else ''}" if finding.margin else ""
 
 
+def _clearance_requirement(task: Task) -> str:
+    clearances = by_dimension(task.clearances)
+    if len(set(task.clearances)) > 1:
+        return f"The tube, grown by {clearances} to both sides, meets none of {len(task.unsafe)} unsafe sets."
+    return f"The tube keeps {clearances} from each of {len(task.unsafe)} unsafe sets."
+
+
 def requirement_of(controller: EmittedController, finding: Finding) -> str:
     """Return the requirement of the task that a property is about, as a sentence."""
     task = controller.task
     texts = {
         Property.WIDTH: f"The tube is nowhere narrower than tube.min_width = {by_component(task.min_widths)}.",
-        Property.AVOID: f"The tube keeps {by_dimension(task.clearances)} from each of {len(task.unsafe)} unsafe sets.",
+        Property.AVOID: _clearance_requirement(task),
         Property.ARITHMETIC: f"All this holds in {controller.program.scalar} arithmetic.",
         Property.PERIOD: f"control.period = {decimal(task.control.period or Fraction(0))} s is short enough.",
     }
