@@ -81,7 +81,7 @@ def _stated_plant_hypothesis(analysis: LoopAnalysis) -> Iterator[Hypothesis]:
     about = Property.PERIOD if task.control.period is not None else Property.LIMITS
     has_less_noise = any(v < float(stated) for v, stated in zip(analysis.noise, task.noise, strict=True))
     is_easier = has_less_noise or analysis.latency < float(task.control.latency)
-    uncovered = uncovered_bounds(task, analysis.bounds)
+    uncovered = uncovered_bounds(task, analysis.bounds, analysis.plant.w_max)
     statement = f"this plant is one of those that {about.code} is about: {_stated_bounds(task)}"
     statement += "; asked with less noise or latency than the task's" if is_easier else ""
     statement += f"; but {'; '.join(uncovered)}" if uncovered else ""

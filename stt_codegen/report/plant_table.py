@@ -7,7 +7,7 @@ report/loop_analysis.py calls this with bounds over the windows of a tube.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -72,10 +72,11 @@ def norm_extremes(bounds: Sequence[Bounds]) -> Extremes:
     return Extremes([disturbance], [g_lower], [g_upper], [0.0])
 
 
-def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
-    """Return where a plant exceeds the task's table [plant], with its number, the stated one and one that covers it; or nothing.
+def uncovered_bounds(task: Task, bounds: Sequence[Bounds], w_bound: Fraction = Fraction(0)) -> list[str]:
+    """Return where a plant exceeds the task's table [plant], with its number, the stated one and what covers it; or nothing.
 
-    Compared in norms where u is scaled as a whole, else by component.
+    Compared in norms where u is scaled as a whole, else by component. w_bound: bound on the plant's |w|, a part of |f + w|. What
+    is named for one component covers all that exceed the same number.
     """
     extremes = norm_extremes if task.scales_input else component_extremes
     worst, stated = extremes(bounds), extremes([bounds_of_task(task)])
@@ -84,40 +85,60 @@ def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
     if task.scales_input:
         names = ("|f + w|", f"least eigenvalue of {g}_s", "|g|", "")
     lines: list[str] = []
-    for i in range(len(worst.disturbance)):
-        label = f" of {task.axis_words[i]}" if len(worst.disturbance) > 1 else ""
-        for name, kind in zip(names, ("disturbance", "g_lower", "g_upper", "g_cross"), strict=True):
-            value, limit = getattr(worst, kind)[i], getattr(stated, kind)[i]
-            if kind == "g_lower" and value < limit:
-                line = f"{name}{label} falls to {_digits(value, below)}, {limit:.9g} is stated"
-            elif kind != "g_lower" and value > limit:
-                line = f"{name}{label} reaches {_digits(value, above)}, {limit:.9g} is stated"
-            else:
-                continue
-            remedy = _sufficient_bound(task, kind, value, i)
-            lines.append(f"{line}, {remedy} covers it" if remedy else line)
+    for name, kind in zip(names, ("disturbance", "g_lower", "g_upper", "g_cross"), strict=True):
+        values, limits = getattr(worst, kind), getattr(stated, kind)
+        is_lower = kind == "g_lower"
+        uncovered = {
+            i: v for i, (v, limit) in enumerate(zip(values, limits, strict=True)) if (v < limit if is_lower else v > limit)
+        }
+        remedy = _sufficient_bounds(task, kind, uncovered, w_bound)
+        for i, value in uncovered.items():
+            label = f" of {task.axis_words[i]}" if len(values) > 1 else ""
+            reached = f"falls to {_digits(value, below)}" if is_lower else f"reaches {_digits(value, above)}"
+            line = f"{name}{label} {reached}, {limits[i]:.9g} is stated"
+            lines.append(f"{line}, {remedy}" if remedy else line)
     return lines
 
 
-def _sufficient_bound(task: Task, kind: str, value: float, i: int) -> str:
-    """Return the key of [plant] with a value that covers component i; empty where a task takes no such value.
+def _sufficient_bounds(task: Task, kind: str, uncovered: Mapping[int, float], w_bound: Fraction) -> str:
+    """Say what in [plant] covers these components; empty where a task takes no such number.
 
-    Of a list the other entries stay.
+    Of a list the other entries stay. Where w alone is larger than stated, w_max is named, and f_max besides where f is too.
     """
-    if not math.isfinite(value):
+    if not uncovered or not all(map(math.isfinite, uncovered.values())):
         return ""
-    if kind == "disturbance":
-        w_max = task.plant.w_max or Fraction(0)
-        name, number = "f_max", _stated_above(Fraction(value) - (w_max[i] if isinstance(w_max, tuple) else w_max))
-    elif kind == "g_lower":
-        name, number = "g_min", below(Fraction(value), 4)
-    else:
-        name, number = {"g_upper": "g_max", "g_cross": "g_cross"}[kind], _stated_above(Fraction(value))
-    if not _is_in_range(number):
-        return ""
-    stated = getattr(task.plant, name)
-    values = [number if j == i else v for j, v in enumerate(stated)] if isinstance(stated, tuple) else [number]
-    return f"plant.{name} = {by_component(values)}"
+    if kind != "disturbance":
+        name = {"g_lower": "g_min", "g_upper": "g_max", "g_cross": "g_cross"}[kind]
+        return _changes(task, {name: {i: Fraction(v) for i, v in uncovered.items()}})
+    w_max = {i: max(w_bound, _stated_entry(task, "w_max", i)) for i in uncovered}
+    larger_w_max = {i: v for i, v in w_max.items() if v > _stated_entry(task, "w_max", i)}
+    f_max = {i: Fraction(v) - w_max[i] for i, v in uncovered.items()}
+    larger_f_max = {i: v for i, v in f_max.items() if v > _stated_entry(task, "f_max", i)}
+    return _changes(task, {"w_max": larger_w_max, "f_max": larger_f_max})
+
+
+def _stated_entry(task: Task, name: str, i: int) -> Fraction:
+    """Return the stated number of component i, 0 where the task states none."""
+    stated = getattr(task.plant, name) or Fraction(0)
+    return Fraction(stated[i] if isinstance(stated, tuple) else stated)
+
+
+def _changes(task: Task, needed: Mapping[str, Mapping[int, Fraction]]) -> str:
+    """Say what to state for the needed numbers by name and component; empty where a task takes no such number."""
+    texts: list[str] = []
+    for name, numbers in needed.items():
+        if not numbers:
+            continue
+        rounded = {i: below(v, 4) if name == "g_min" else _stated_above(v) for i, v in numbers.items()}
+        if not all(map(_is_in_range, rounded.values())):
+            return ""
+        stated = getattr(task.plant, name)
+        if isinstance(stated, tuple):
+            values = [rounded.get(i, v) for i, v in enumerate(stated)]
+        else:
+            values = [min(rounded.values()) if name == "g_min" else max(rounded.values())]
+        texts.append(f"plant.{name} = {by_component(values)}")
+    return " and ".join(texts) + (" covers it" if len(texts) == 1 else " cover it")
 
 
 def _digits(value: float, rounding: Callable[[Fraction, int], float]) -> str:

@@ -248,7 +248,7 @@ def test_a_bound_that_does_not_cover_the_plant_is_named_with_its_value() -> None
 
 @pytest.mark.parametrize("name", ["f_max", "g_max", "g_cross", "g_min"])
 def test_the_value_that_is_advised_for_an_axis_covers_it_and_uncovers_no_other(name: str) -> None:
-    """The table has lists. The lines are followed one after the other, as a reader would."""
+    """The table has lists. Every line is followed by itself."""
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
     bounds = [PlantEnclosure(PLANTS["arm"], 2, 1).over([(0.1, 0.6), (-0.3, 0.4)])]
     worst = component_extremes(bounds)
@@ -260,12 +260,32 @@ def test_the_value_that_is_advised_for_an_axis_covers_it_and_uncovers_no_other(n
         lines = ("[plant]", *(f"{key} = [{', '.join(values)}]" for key, values in stated.items()))
         return uncovered_bounds(with_table(text, lines), bounds)
 
-    for left in (2, 1):
-        lines = uncovered()
-        assert len(lines) == left
-        advised = re.search(rf"plant\.{name} = (.*) covers it$", lines[0])[1]
+    lines, too_weak = uncovered(), stated[name]
+    assert len(lines) == 2
+    for line in lines:
+        advised = re.search(rf"plant\.{name} = (.*) covers it$", line)[1]
         stated[name] = advised[1:-1].split(", ") if advised.startswith("[") else [advised] * 2
-    assert uncovered() == []
+        assert uncovered() == []
+    stated[name] = [too_weak[0], "2" if name == "g_max" else "0.01" if name == "g_min" else "1"]  # then the second stays
+    advised = re.search(rf"plant\.{name} = \[(.*), (.*)\] covers it$", uncovered()[0])
+    assert float(advised[2]) == float(stated[name][1])
+
+
+def test_where_w_is_larger_than_stated_its_bound_is_named() -> None:
+    """f is within f_max in the first axis, and not in the second."""
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text()
+    plant = Plant(
+        name="gusts", dimension=2, drift=lambda _: [0.02, 0.04], input_matrix=lambda _: [[1, 0], [0, 1]], w_max=Fraction("0.06")
+    )
+    bounds = [PlantEnclosure(plant, 2, 1).over([(0.1, 0.6), (-0.3, 0.4)])]
+
+    def uncovered(*lines: str) -> list[str]:
+        return uncovered_bounds(with_table(text, ("[plant]", *lines)), bounds, plant.w_max)
+
+    (line,) = uncovered("f_max = [0.021, 0.041]", "w_max = [0.05, 0.07]")
+    assert line.endswith("dimension 1 reaches 0.0800000001, 0.071 is stated, plant.w_max = [0.06, 0.07] covers it")
+    lines = uncovered("f_max = 0.03", "w_max = 0.05")
+    assert [line.partition("is stated, ")[2] for line in lines] == ["plant.w_max = 0.06 and plant.f_max = 0.04001 cover it"]
 
 
 def test_bounds_with_an_unknown_payload_are_near_the_sampled_ones() -> None:
