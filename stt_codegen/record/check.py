@@ -35,7 +35,7 @@ from stt_codegen.record.manifest import (
 SIZE_MARGIN = 1_000_000  # bytes; files that are larger than expected by more are not compared line by line
 DIFF_LINES = 40  # of one file that are shown; all other lines are counted
 SPELLED_OUT = ".task.toml"  # end of the name of a task that was written beside a controller
-_NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?F?\b")
+_NUMBER = re.compile(r"(?<![\w.])-?(?:0[xX][0-9a-fA-F]+|\d+(?:\.\d*)?(?:[eE][+-]?\d+)?)[FfUuLl]*\b")
 _HASH = re.compile(r'"[0-9a-f]{16}"|"[0-9a-f]{64}"')
 _START_BOX = re.compile(r"_start_(?:lower|upper)\[\d+\][^;]*;")
 _COEFFICIENTS = re.compile(r"_coefficients\[\d+\] = \{(.*?)\};", re.DOTALL)
@@ -247,7 +247,7 @@ def describe_numbers(old: str, new: str) -> str:
         if before == after:
             return "the text changed, no number did"
         return f"the structure changed ({len(before)} numbers before, {len(after)} now); compare it as new"
-    pairs = [(float(a.rstrip("F")), float(b.rstrip("F"))) for a, b in zip(before, after, strict=True)]
+    pairs = [(_value(a), _value(b)) for a, b in zip(before, after, strict=True)]
     changed = [(a, b) for a, b in pairs if a != b]
     if not changed:
         return "no number changed"
@@ -260,6 +260,13 @@ def describe_numbers(old: str, new: str) -> str:
     return text if movement is None else f"{text}; the tube's edges move by at most {movement:.3g}"
 
 
+def _value(text: str) -> float:
+    """Return the value of a number of C or Python."""
+    if "x" in text.lower():
+        return float(int(text.rstrip("UuLl"), 16))
+    return float(text.rstrip("FfUuLl"))
+
+
 def largest_edge_movement(old: str, new: str) -> float | None:
     """Bound how far the tube's edges differ between two C files that differ in spline coefficients, and so in the start box.
 
@@ -269,5 +276,5 @@ def largest_edge_movement(old: str, new: str) -> float | None:
     remainders = [_START_BOX.sub("", _COEFFICIENTS.sub("", text)) for text in (old, new)]
     if not all(tables) or remainders[0] != remainders[1]:
         return None
-    before, after = ([float(v.rstrip("F")) for v in _NUMBER.findall(t.group(1))] for t in tables if t)
+    before, after = ([_value(v) for v in _NUMBER.findall(t.group(1))] for t in tables if t)
     return 6 * max(abs(a - b) for a, b in zip(before, after, strict=True))

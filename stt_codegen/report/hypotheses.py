@@ -41,7 +41,8 @@ def _gain_matrix_hypothesis(analysis: LoopAnalysis) -> Hypothesis:
     smallest = float(analysis.sampled_loop.eigenvalue_min.min())
     sign = "" if analysis.controller.task.gain[0] > 0 else "-"
     bound = f", at least {round_down(smallest):g}" if math.isfinite(smallest) else ""
-    return Hypothesis("Assumption 2", f"{sign}g_s > 0 over the tube{bound}", smallest > 0)
+    unchecked = "; that f and g are locally Lipschitz is not looked at" if analysis.plant is not None else ""
+    return Hypothesis("Assumption 2", f"{sign}g_s > 0 over the tube{bound}{unchecked}", smallest > 0)
 
 
 def _clamp_hypothesis(analysis: LoopAnalysis) -> Hypothesis:

@@ -137,6 +137,13 @@ def test_describe_numbers_distinguishes_text_from_numbers() -> None:
     assert "structure changed" in describe_numbers(old, old.replace(", -2.0F", ""))
 
 
+@pytest.mark.parametrize(
+    ("before", "after"), [("0x7fffffU", "0x6fffffU"), ("4U", "5U"), ("1e-3F", "2e-3F"), ("1.F", "2.F"), ("7L", "8L")]
+)
+def test_a_number_of_c_that_changes_is_a_number(before: str, after: str) -> None:
+    assert describe_numbers(f"x = {before};", f"x = {after};").startswith("1 of 1 numbers changed")
+
+
 def test_an_edge_moves_by_at_most_6_times_the_change_of_a_coefficient() -> None:
     import numpy as np
 

@@ -29,6 +29,8 @@ def mission_problem(task: TaskTables) -> str | None:
     for field, limit in (("region", REGION_COUNT_LIMIT), ("mission", ENTRY_COUNT_LIMIT)):
         if len(getattr(task, field)) > limit:
             return f"{field}: has {len(getattr(task, field))} entries; at most {limit} are taken"
+    if "mission" in task.model_fields_set and not task.mission:
+        return "mission: is empty; add [[mission]], or leave it out"
     if task.region and not task.mission:
         return "region: is only read by a mission; add [[mission]], or leave the regions out"
     if task.repeat and (problem := _repeat_problem(task)):

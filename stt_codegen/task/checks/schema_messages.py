@@ -121,7 +121,7 @@ def _value_message(field: str, error: ErrorDetails) -> str:
     if kind in ("string_pattern_mismatch", "string_too_long"):
         if error["loc"][0] == "unsafe":
             allowed = "letters, digits, spaces or . _ ( ) # + -"
-            return f"{_quoted(value)} is no name; use {allowed}, at most {MAX_LABEL} characters"
+            return f"{_quoted(value)} is no name; use {allowed}, at most {MAX_LABEL} characters, or leave it out"
         return f"{_quoted(value)} is no name; use a letter, then letters, digits or _, at most {MAX_NAME} characters"
     if kind in ("greater_than_equal", "less_than_equal"):
         bound = context.get("ge", context.get("le"))

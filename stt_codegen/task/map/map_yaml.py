@@ -19,6 +19,7 @@ from stt_codegen.files import read_input
 FILE_SIZE_LIMIT = 16384  # bytes
 DEPTH_LIMIT = 4  # levels of lists and tables; a map needs two
 KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
+NUMBER_POWER = 9  # a number is 0 or from 1e-9 to 1e9, as in a task
 REQUIRED = ("image", "resolution", "origin", "occupied_thresh", "free_thresh")
 BOOLEANS = {word: word in ("1", "true", "yes", "on", "y") for word in ("0", "1", *"true yes on y false no off n".split())}
 
@@ -127,10 +128,14 @@ def _require_bounded(path: Path, text: str) -> None:
 
 
 def _number(path: Path, field: str, text: Any) -> Fraction:
-    """Return the exact value of a field. Raises `BadInput` where its text is no decimal."""
+    """Return the exact value of a field. Raises `BadInput` where its text is no decimal, or one that no task may have."""
     try:
         value = Decimal(text)
-        if value.is_finite() and -20 < value.adjusted() < 20 and len(value.as_tuple().digits) < 40:
+        if value.is_finite() and len(value.as_tuple().digits) < 40:
+            if value and not -NUMBER_POWER <= value.adjusted() < NUMBER_POWER:
+                raise BadInput(
+                    f"{path}: {field}: is {text!r:.40}; use 0 or a magnitude from 1e-{NUMBER_POWER} to 1e{NUMBER_POWER}"
+                )
             return Fraction(value)
     except (ArithmeticError, TypeError, ValueError):
         pass

@@ -124,7 +124,12 @@ class MissionEntry(TomlTable):
             return f"never {self.never}" + (f" before {self.before}" if self.before else "")
         if self.patrol is not None:
             return f"patrol {', '.join(self.patrol)}"
-        return str(self.formula)
+        return _printable(str(self.formula))
+
+
+def _printable(formula: str) -> str:
+    """Return a formula's text as a comment of C may have it: in one line, without characters that begin an escape there."""
+    return " ".join(formula.replace("/\\", " and ").replace("\\/", " or ").split())
 
 
 @dataclass(frozen=True)

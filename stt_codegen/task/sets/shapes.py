@@ -202,7 +202,7 @@ class Unsafe(TomlTable):
 
     point_fields: ClassVar[tuple[str, ...]] = ()
 
-    name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]*$", max_length=MAX_LABEL)
+    name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]+$", max_length=MAX_LABEL)
     axes: Axes | None = Field(
         default=None, description="the dimensions that the set is in, by name: all others may be anything; absent: all"
     )
