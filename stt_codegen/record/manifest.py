@@ -22,7 +22,7 @@ from stt_codegen.effort import Effort
 from stt_codegen.errors import BadInput, about
 from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, parse_toml, read_input, read_task_text, write_files
 from stt_codegen.pipeline import EmittedController, build
-from stt_codegen.task.map import input_files
+from stt_codegen.task.map import IMAGE_SIZE_LIMIT, input_files
 
 MANIFEST = "MANIFEST.json"
 MANIFEST_FORMAT = 1
@@ -83,12 +83,16 @@ def _record(root: Path, task_file: Path, controller: EmittedController, uncertif
 def hash_of_inputs(task_file: Path) -> str:
     """Return the SHA-256 of what a task is read from: the data of its file, without comments and layout, and its maps.
 
-    No code of the tool changes it, so it is the same for every version of the tool.
+    No code of the tool changes it, so it is the same for every version of the tool. Raises `BadInput` where one of them cannot be
+    read.
     """
-    document = parse_toml(read_task_text(task_file))
+    text = read_task_text(task_file)
+    with about(task_file):
+        document = parse_toml(text)
     digest = hashlib.sha256(json.dumps(document, sort_keys=True, default=str).encode())
     for file in input_files(task_file)[1:]:
-        digest.update(hashlib.sha256(file.read_bytes()).digest())
+        data = read_input(file, IMAGE_SIZE_LIMIT, f"{task_file} is read from it")
+        digest.update(hashlib.sha256(data).digest())
     return digest.hexdigest()
 
 
