@@ -89,7 +89,7 @@ LINES = st.lists(
 )
 
 
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(
     LINES.map(lambda values: "".join(f"k{k} = {value}\n" for k, value in enumerate(values))),
     st.sampled_from(["a." * 40 + "b=1", "a=" + "[" * 40, "b=" + "1" * 1200]),
@@ -124,18 +124,38 @@ def test_the_bounds_leave_room_for_every_task_of_the_repository() -> None:
     assert (PARTS_LIMIT, WORD_LIMIT) == (bounds.PARTS, bounds.WORD)
 
 
-def test_a_pipe_is_read_and_a_device_is_refused_at_the_bound(tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_open", [True, False], ids=["a writer that is slow to write", "a writer that is slow to come"])
+def test_a_pipe_is_read_whole(is_open: bool, tmp_path: Path) -> None:
     pipe = tmp_path / "pipe.toml"
     os.mkfifo(pipe)
     data = (ROOT / "tasks" / "empty.toml").read_bytes()
-    writer = threading.Thread(target=lambda: (time.sleep(0.2), pipe.write_bytes(data)))
-    keeper = os.open(pipe, os.O_RDWR)  # a writer that is slow to write
+    keeper = os.open(pipe, os.O_RDWR) if is_open else None
+
+    def write_late() -> None:
+        time.sleep(0.3)
+        pipe.write_bytes(data)
+        if keeper is not None:
+            os.close(keeper)
+
+    writer = threading.Thread(target=write_late)
     writer.start()
-    read_end = threading.Thread(target=lambda: (writer.join(), os.close(keeper)))
-    read_end.start()
     assert load_task(pipe).name == "empty"
-    read_end.join()
-    assert read_input(pipe, 10, "") == b""  # nobody writes
+    writer.join()
+
+
+def test_an_anonymous_pipe_whose_writer_has_left_is_read_at_once() -> None:
+    """As those of <(command) and of a pipe to /dev/stdin."""
+    for data in (b"", b"x"):
+        reader, writer = os.pipe()
+        os.write(writer, data)
+        os.close(writer)
+        begin = time.monotonic()
+        assert read_input(Path(f"/dev/fd/{reader}"), 10, "") == data
+        assert time.monotonic() - begin < SECONDS
+        os.close(reader)
+
+
+def test_a_device_a_folder_and_a_path_with_a_nul_are_refused(tmp_path: Path) -> None:
     with pytest.raises(BadInput, match="/dev/zero: has more than 4,000,000 bytes"):
         load_task("/dev/zero")
     with pytest.raises(BadInput, match="Is a directory"):
@@ -144,13 +164,15 @@ def test_a_pipe_is_read_and_a_device_is_refused_at_the_bound(tmp_path: Path) -> 
         load_task("a\0b")
 
 
-def test_a_pipe_through_which_nothing_comes_is_given_up(tmp_path: Path, monkeypatch) -> None:
+@pytest.mark.parametrize("is_open", [True, False], ids=["a writer that writes nothing", "no writer"])
+def test_a_pipe_through_which_nothing_comes_is_given_up(is_open: bool, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(bounded_reading, "PIPE_WAIT_LIMIT", 0.1)
     os.mkfifo(tmp_path / "pipe")
-    keeper = os.open(tmp_path / "pipe", os.O_RDWR)
+    keeper = os.open(tmp_path / "pipe", os.O_RDWR) if is_open else None
     with pytest.raises(BadInput, match="nothing came for"):
         read_input(tmp_path / "pipe", 10, "")
-    os.close(keeper)
+    if keeper is not None:
+        os.close(keeper)
 
 
 @pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 100_000, "[]", "3", "", "{", "\xff", '{"a": ' + "1" * 5000 + "}"])
