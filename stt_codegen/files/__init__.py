@@ -8,6 +8,7 @@ from stt_codegen.files.certified_contents import (
     hashes_in,
     parse_certificate,
     possible_paths,
+    read_certificate,
     require_certified_contents,
 )
 from stt_codegen.files.locks import locked
@@ -24,6 +25,7 @@ __all__ = [
     "parse_toml",
     "possible_paths",
     "printable",
+    "read_certificate",
     "read_input",
     "read_task_text",
     "require_certified_contents",

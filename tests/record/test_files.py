@@ -216,6 +216,24 @@ def test_an_altered_file_is_not_written_beside_its_certificate(name: str, tmp_pa
     write_files(tmp_path, without)  # nothing vouches for it
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_file_is_not_written_beside_a_certificate_that_is_about_another_one(kind: str, tmp_path) -> None:
+    files = package(build_once(load_task(ROOT / "tasks" / "omni_s3.toml").changed(emit={"rust": True})), kind)
+    write_files(tmp_path, files)
+    for path in files:
+        write_files(tmp_path, {path: files[path]})  # the same bytes
+    certificates = [path for path in files if path.endswith(".certificate.json")]
+    named = json.loads(files[certificates[0]])["sha256"] if certificates else {}
+    altered_paths = [path for path in files if Path(path).name in named]
+    assert bool(altered_paths) == (kind != "fmu")  # a unit of FMI has its certificate inside
+    for path in altered_paths:
+        with pytest.raises(BadInput, match="is about another one; write it with its certificate"):
+            write_files(tmp_path, {path: b"int quick;"})
+    assert {path: (tmp_path / path).read_bytes() for path in files} == files
+    (tmp_path / "damaged.certificate.json").write_bytes(b"{")
+    write_files(tmp_path, {"damaged.c": b""})
+
+
 def test_nothing_is_written_when_one_of_several_tasks_is_refused(tmp_path) -> None:
     (tmp_path / "bad.toml").write_text("name = 1\n")
     result = run_command("generate", str(ROOT / "tasks" / "empty.toml"), "bad.toml", "--out", "out", cwd=tmp_path)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import threading
 import time
 import tomllib
+from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 
@@ -18,7 +20,9 @@ from stt_codegen.checker.stt_checker.exact import Unusable
 from stt_codegen.errors import BadInput
 from stt_codegen.files import bounded_reading, json_object, parse_toml, read_input
 from stt_codegen.files.bounded_toml import DEPTH_LIMIT, KEYS_LIMIT, PARTS_LIMIT, TABLES_LIMIT, WORD_LIMIT, require_bounded
+from stt_codegen.files.task_text import TASK_SIZE_LIMIT
 from stt_codegen.task import load_task
+from stt_codegen.task.values import MAX_DIGITS
 from tests.support.controllers import ROOT
 
 SECONDS = 5.0  # of the processor, on any machine
@@ -113,15 +117,30 @@ def depth_of(value: object) -> int:
     return 1 + max(map(depth_of, inner), default=0) if isinstance(value, dict | list) else 0
 
 
-def test_the_bounds_leave_room_for_every_task_of_the_repository() -> None:
-    """At least twice what any task has, so that none is near a bound."""
-    for path in sorted(ROOT.rglob("tasks/*.toml")):
+def numbers_in(value: object) -> Iterator[Decimal]:
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        yield from numbers_in(inner)
+    if isinstance(value, int | Decimal) and not isinstance(value, bool):
+        yield Decimal(value)
+
+
+def test_the_tasks_of_the_repository_use_at_most_half_of_each_bound() -> None:
+    """As docs/inputs.md says. A part between signs is no shorter than a word, and a line has no fewer dots than its key."""
+    paths = sorted(ROOT.rglob("tasks/*.toml"))
+    assert len(paths) > 20
+    for path in paths:
         text = path.read_text()
         document = tomllib.loads(text, parse_float=Decimal)
+        numbers = [number for number in numbers_in(document) if number]
+        assert 2 * len(text.encode()) <= TASK_SIZE_LIMIT
         assert 2 * depth_of(document) <= DEPTH_LIMIT
-        assert 20 * text.count("[") <= TABLES_LIMIT
-        assert 20 * text.count("=") <= KEYS_LIMIT
-    assert (PARTS_LIMIT, WORD_LIMIT) == (bounds.PARTS, bounds.WORD)
+        assert 2 * text.count("[") <= TABLES_LIMIT
+        assert 2 * text.count("=") <= KEYS_LIMIT
+        assert 2 * max(map(len, re.split(r"[\s,=]", text))) <= WORD_LIMIT
+        assert 2 * max(line.partition("=")[0].count(".") + 1 for line in text.splitlines() if line[:1] != "#") <= PARTS_LIMIT
+        assert 2 * max(len(number.as_tuple().digits) for number in numbers) <= MAX_DIGITS
+        assert 2 * Decimal("1e-9") <= min(map(abs, numbers)) <= max(map(abs, numbers)) <= Decimal("1e9") / 2
+        assert load_task(path).name == document["name"]
 
 
 @pytest.mark.parametrize("is_open", [True, False], ids=["a writer that is slow to write", "a writer that is slow to come"])
