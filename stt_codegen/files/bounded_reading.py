@@ -8,7 +8,6 @@ from __future__ import annotations
 import os
 import select
 import stat
-import unicodedata
 from pathlib import Path
 
 from stt_codegen.errors import BadInput
@@ -66,11 +65,3 @@ def decode(path: Path, data: bytes, remedy: str) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise BadInput(f"{path}: byte {error.start} is not UTF-8; {remedy}") from None
-
-
-def printable(text: str) -> str:
-    """Return a text as one line without control characters: those of a path or a value are written as escapes."""
-    return "".join(
-        character if not unicodedata.category(character).startswith(("C", "Zl", "Zp")) else repr(character)[1:-1]
-        for character in text
-    )

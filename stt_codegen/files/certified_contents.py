@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.errors import BadInput
-from stt_codegen.files.bounded_json import json_object
 from stt_codegen.files.bounded_reading import read_input
+from stt_codegen.files.json_file import parse_json_object
 
 CERTIFICATE_SUFFIX = ".certificate.json"  # such a file has the hashes of the set's other files
 SIZE_LIMIT = 64_000_000  # bytes of a certificate
@@ -19,7 +19,7 @@ SIZE_LIMIT = 64_000_000  # bytes of a certificate
 def parse_certificate(data: bytes) -> dict[str, Any]:
     """Return a certificate as JSON data; empty where the data is none."""
     with suppress(ValueError):
-        return json_object(data)
+        return parse_json_object(data)
     return {}
 
 

@@ -20,7 +20,7 @@ from stt_codegen import __version__
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.effort import Effort
 from stt_codegen.errors import BadInput, about
-from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, parse_toml, read_input, read_task_text, write_files
+from stt_codegen.files import CERTIFICATE_SUFFIX, locked, parse_json_object, parse_toml, read_input, read_task_text, write_files
 from stt_codegen.pipeline import EmittedController, build
 from stt_codegen.task.map import IMAGE_SIZE_LIMIT, input_files
 
@@ -122,7 +122,7 @@ def read_manifest(root: Path) -> list[RecordedFolder]:
     if root.is_file():
         raise BadInput(f"{root}: is a file; give the folder that holds {MANIFEST}")
     try:
-        document = json_object(read_input(path, SIZE_LIMIT, f"make one with: stt-codegen generate TASK --record {root}"))
+        document = parse_json_object(read_input(path, SIZE_LIMIT, f"make one with: stt-codegen generate TASK --record {root}"))
         if document["format"] != MANIFEST_FORMAT:
             problem = f"has format {document['format']!r:.20}, this version writes {MANIFEST_FORMAT}"
             raise BadInput(f"{path}: {problem}; record the tasks again")
@@ -152,7 +152,7 @@ def read_manifest(root: Path) -> list[RecordedFolder]:
 
 def recorded_tools(root: Path) -> dict[str, str]:
     """Return the tool versions that the manifest names."""
-    tools = json_object(read_input(root / MANIFEST, SIZE_LIMIT, "record the tasks again")).get("tools")
+    tools = parse_json_object(read_input(root / MANIFEST, SIZE_LIMIT, "record the tasks again")).get("tools")
     return {str(k): str(v) for k, v in tools.items()} if isinstance(tools, dict) else {}
 
 

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from stt_codegen.checker.stt_checker import bounds
 from stt_codegen.checker.stt_checker.exact import Unusable
 from stt_codegen.errors import BadInput
-from stt_codegen.files import bounded_reading, json_object, parse_toml, read_input
+from stt_codegen.files import bounded_reading, parse_json_object, parse_toml, read_input
 from stt_codegen.files.bounded_toml import DEPTH_LIMIT, KEYS_LIMIT, PARTS_LIMIT, TABLES_LIMIT, WORD_LIMIT, require_bounded
 from stt_codegen.files.task_text import TASK_SIZE_LIMIT
 from stt_codegen.task import load_task
@@ -197,4 +197,4 @@ def test_a_pipe_through_which_nothing_comes_is_given_up(is_open: bool, tmp_path:
 @pytest.mark.parametrize("text", ["[" * 100_000, '{"a":' * 100_000, "[]", "3", "", "{", "\xff", '{"a": ' + "1" * 5000 + "}"])
 def test_json_that_is_no_object_is_a_value_error(text: str) -> None:
     with pytest.raises(ValueError, match=".*"):
-        json_object(text.encode("latin-1"))
+        parse_json_object(text.encode("latin-1"))
