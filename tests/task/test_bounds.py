@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+import resource
+import subprocess
+import sys
 import threading
 import time
 import tomllib
@@ -15,6 +18,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from stt_codegen.checker import FOLDER
 from stt_codegen.checker.stt_checker import bounds
 from stt_codegen.checker.stt_checker.exact import Unusable
 from stt_codegen.errors import BadInput
@@ -44,7 +48,7 @@ BEYOND = {
     "keys": ("".join(f"a{i} = 1\n" for i in range(250_000)), "line 200001: comes after 200,000 keys"),
 }  # fmt: skip
 
-OF_THE_PACKAGE_ALONE = ("headers", "inline tables", "keys")  # the checker refuses unknown keys before it goes on
+# The checker bounds the parts of a dotted key alone: the parser answers to all else soon.
 
 # At a bound, or with what looks like more in strings and comments.
 WITHIN = {
@@ -70,10 +74,27 @@ def test_a_text_beyond_a_bound_is_refused_before_it_is_parsed(name: str, monkeyp
     begin = time.process_time()
     with pytest.raises(BadInput, match=message.replace(".", r"\.")):
         parse_toml(text)
-    if name not in OF_THE_PACKAGE_ALONE:
-        with pytest.raises(Unusable):
+    if "dotted" in name:
+        with pytest.raises(Unusable, match="a dotted key of more than 16 parts"):
             bounds.require_bounded(text)
     assert time.process_time() - begin < SECONDS
+
+
+@pytest.mark.parametrize("name", BEYOND)
+def test_the_checker_turns_a_text_beyond_a_bound_away_soon(name: str, tmp_path: Path) -> None:
+    """In at most a gigabyte, of which a process of its own is given two."""
+    (tmp_path / "task.toml").write_text(BEYOND[name][0])
+    command = [sys.executable, "-I", str(FOLDER), *["task.toml"] * 3]
+    begin = time.monotonic()
+    limit = (2_000_000_000, 2_000_000_000)
+    result = subprocess.run(
+        command, cwd=tmp_path, capture_output=True, text=True, check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, limit),
+    )  # fmt: skip
+    assert result.returncode == 2
+    assert result.stderr.startswith("checker: cannot check: ")
+    assert "MemoryError" not in result.stderr
+    assert time.monotonic() - begin < 4 * SECONDS  # of the wall, on a machine that is busy
 
 
 @pytest.mark.parametrize("name", WITHIN)
@@ -102,14 +123,16 @@ LINES = st.lists(
 @example('x="""a""""\n', "a." * 40 + "b=1")
 @example("x='''a''''\n", "a." * 40 + "b=1")
 def test_what_the_parser_reads_is_never_beyond_a_bound_that_was_not_seen(prefix: str, bomb: str) -> None:
-    """Python's parser is the oracle: where it reads a good text before the bomb, the bomb is seen, by both readers."""
+    """Python's parser is the oracle: where it reads a good text before the bomb, it is seen; a dotted key by the checker too."""
     try:
         tomllib.loads(prefix)
     except (tomllib.TOMLDecodeError, ValueError, RecursionError):
         return
-    for check, error in ((require_bounded, BadInput), (bounds.require_bounded, Unusable)):
-        with pytest.raises(error):
-            check(f"{prefix}\n{bomb}\n")
+    with pytest.raises(BadInput):
+        require_bounded(f"{prefix}\n{bomb}\n")
+    if bomb.startswith("a."):
+        with pytest.raises(Unusable):
+            bounds.require_bounded(f"{prefix}\n{bomb}\n")
 
 
 def depth_of(value: object) -> int:
@@ -141,6 +164,7 @@ def test_the_tasks_of_the_repository_use_at_most_half_of_each_bound() -> None:
         assert 2 * max(len(number.as_tuple().digits) for number in numbers) <= MAX_DIGITS
         assert 2 * Decimal("1e-9") <= min(map(abs, numbers)) <= max(map(abs, numbers)) <= Decimal("1e9") / 2
         assert load_task(path).name == document["name"]
+    assert PARTS_LIMIT == bounds.PARTS
 
 
 @pytest.mark.parametrize("is_open", [True, False], ids=["a writer that is slow to write", "a writer that is slow to come"])
