@@ -26,8 +26,10 @@ EXPECTED_DIFFERENCES = {  # by reason: paths in generated/
     "CasADi's spelling of the adaptive and the literal design": re.compile(r"^[^/]+/(adaptive|literal)/"),
     "what a double's self-test accepts": re.compile(r"^\w+/refined/double/\w+(_selftest\.c|\.certificate\.json)$"),
 }
-# Lines that commands print to stderr where all is good: progress, notes, and what `theorem` and `generate` say.
-MESSAGE = re.compile(r"  .+|note: .+|axioms, all of Coq's real numbers: .+|\w+\.v: theorems about the tube alone; .+")
+# Lines that commands print to stderr where all is good: progress, notes, and what three commands say.
+MESSAGE = re.compile(
+    r"  .+|note: .+|comparing \w+: .+|axioms, all of Coq's real numbers: .+|\w+\.v: theorems about the tube alone; .+"
+)
 NO_TOOL = 4  # exit code where an emulator is missing
 OMNI, C_FILE = "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2"
 JSON_COMMANDS = {  # arguments of each command that has --json

@@ -549,7 +549,7 @@ def bombs() -> Iterator[Bomb]:
     draw_map = ("map", "map.yaml", "--picture", "out")
     certify = ("certify", "task.toml", f"{RECORDED}.c", f"{RECORDED}.certificate.json")
     chart, files, recording = good_map(random.Random(0)), good_set(), good_recording()
-    for kind, part, made, beside, arguments in (
+    for kind, part, makers, good_files, arguments in (
         ("task", "task.toml", task_bombs(), {}, generate),
         ("map", "map.yaml", yaml_bombs(), chart, draw_map),
         ("map", "a.img", image_bombs(), chart, draw_map),
@@ -559,5 +559,5 @@ def bombs() -> Iterator[Bomb]:
         ("certificate", "task.toml", task_bombs(), files, certify),
         ("manifest", "second.toml", task_bombs(), recording, ("check", "recorded")),
     ):  # fmt: skip
-        for name, make in made.items():
-            yield Bomb(kind, f"{part}: {name}", beside, arguments, part, make)
+        for name, make in makers.items():
+            yield Bomb(kind, f"{part}: {name}", good_files, arguments, part, make)
