@@ -96,7 +96,7 @@ build/ros/.done: locks/ros.lock $(STAMP)
 	@build/ros/bin/python .ci/install locks/ros.lock
 	@touch $@
 
-# The least versions that pyproject.toml admits, installed apart: generated/ must come out the same.
+# The oldest versions that pyproject.toml admits, then the newest, installed apart: generated/ comes out the same, and demo and --json work.
 ends: $(STAMP)
 	@$(BIN)/python -m benchmarks ends
 

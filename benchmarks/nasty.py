@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import itertools
 import json
 import multiprocessing
 import os
@@ -27,7 +26,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
 
-from benchmarks.suites.nasty_inputs import Case, draw_case, family_cases
+from benchmarks.suites.nasty_inputs import Case, bombs, draw_case
 
 MEMORY_LIMIT = 1_000_000_000  # bytes resident
 ADDRESS_LIMIT = 6_000_000_000  # bytes; threads of numerical libraries reserve much that they never use
@@ -166,9 +165,9 @@ def judge(case: Case, keep: Path | None = None) -> tuple[Outcome, list[str]]:
 
 
 def judge_drawn(draw: tuple[int, int | None, Path | None]) -> tuple[str, Outcome, str]:
-    """Run a case by its number and seed (None: of the families). Return its kind, its outcome, and a line on broken laws."""
+    """Run a case by its number and seed (None: of the bombs). Return its kind, its outcome, and a line on broken laws."""
     number, seed, keep = draw
-    case = next(itertools.islice(family_cases(), number, None)) if seed is None else draw_case(number, seed)
+    case = list(bombs())[number].case() if seed is None else draw_case(number, seed)
     outcome, laws = judge(case, keep)
     line = f"{number}: {case.kind}, {case.family}: {' '.join(case.arguments)[:200]!r}: {'; '.join(laws)}" if laws else ""
     return case.kind, outcome, line
@@ -188,7 +187,7 @@ def main() -> None:
         options.keep.mkdir(parents=True, exist_ok=True)
     codes: Counter[tuple[str, str]] = Counter()
     broken, total, slowest, largest, begin = 0, 0, 0.0, 0, time.monotonic()
-    count, seed = (sum(1 for _ in family_cases()), None) if options.families else (options.count, options.seed)
+    count, seed = (len(list(bombs())), None) if options.families else (options.count, options.seed)
     draws = [(number, seed, options.keep) for number in range(count)]
     with multiprocessing.get_context("fork").Pool(options.jobs) as pool:
         for kind, outcome, line in pool.imap(judge_drawn, draws):

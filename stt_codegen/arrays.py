@@ -6,13 +6,14 @@ these with a message. It imports NumPy only where there is an array, so that rea
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeVar
 
 from stt_codegen.errors import BadInput
 
+Number = TypeVar("Number", float, Fraction)
 NOT_REAL = {
     "c": "complex numbers; give their real part, if that is what is meant",
     "b": "booleans; numbers are needed",
@@ -93,9 +94,9 @@ def entries_of(name: str, value: Any, count: int) -> tuple[float, ...]:
     return entries
 
 
-def one_if_equal(values: tuple[float, ...]) -> float | tuple[float, ...]:
-    """Return a single number where all entries are equal, as reports write it."""
-    return values[0] if len(set(values)) == 1 else values
+def one_if_equal(values: Sequence[Number]) -> Number | tuple[Number, ...]:
+    """Return a single number where all entries are equal, as tasks and reports write it, else a tuple."""
+    return values[0] if len(set(values)) == 1 else tuple(values)
 
 
 def _leaves(value: Any) -> Iterator[Any]:

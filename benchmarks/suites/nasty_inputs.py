@@ -58,6 +58,21 @@ class Case:
     arguments: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class Bomb:
+    """A case of which the file `part` is large, deep or long; `case` makes its bytes."""
+
+    kind: str
+    family: str
+    files: Mapping[str, bytes]
+    arguments: tuple[str, ...]
+    part: str
+    make: Callable[[], bytes]
+
+    def case(self) -> Case:
+        return Case(self.kind, self.family, {**self.files, self.part: self.make()}, self.arguments)
+
+
 # ------------------------------------------------------------------------------------------ mutation
 
 
@@ -178,7 +193,6 @@ def task_bombs() -> dict[str, Callable[[], bytes]]:
     """Return families of tasks that would be large, deep or long for a parser, a check or a search."""
     base = good_task("omni_s3").decode()
     box = '[[unsafe]]\nname = "b{}"\nlower = [{}, {}]\nupper = [{}, {}]\n'
-    boxes = "".join(box.format(i, 0.001 * i, 0.5, 0.001 * i + 0.0005, 0.6) for i in range(3_000))
     plain = base.replace("[[unsafe]]", "[[other]]")
     texts: dict[str, Callable[[], str]] = {
         "dotted key": lambda: "a." * 30_000 + "b = 1\n" + base,
@@ -190,7 +204,7 @@ def task_bombs() -> dict[str, Callable[[], bytes]]:
         "many tables": lambda: base + "[[unsafe]]\n" * 300_000,
         "many inline tables": lambda: "unsafe = [" + "{}," * 300_000 + "]\n" + base,
         "many keys": lambda: "".join(f"k{i} = 1\n" for i in range(350_000)) + base,
-        "many boxes": lambda: base + boxes,
+        "many boxes": lambda: base + "".join(box.format(i, 0.001 * i, 0.5, 0.001 * i + 0.0005, 0.6) for i in range(3_000)),
         "digits": lambda: base.replace("prescribed_time = ", "prescribed_time = " + "1" * 3_000_000),
         "hexadecimal": lambda: "z = 0x" + "f" * 3_000_000 + "\n" + base,
         "a megabyte too much": lambda: base + "#" + "x" * 5_000_000,
@@ -219,8 +233,11 @@ def task_bombs() -> dict[str, Callable[[], bytes]]:
         "empty": lambda: "",
     }
     families: dict[str, Callable[[], bytes]] = {name: partial(_encoded, make) for name, make in texts.items()}
-    raw = {"UTF-16": base.encode("utf-16"), "bytes that are no UTF-8": base.encode() + b"\xff\xfe", "zeros": bytes(3_000_000)}
-    return families | {name: partial(bytes, data) for name, data in raw.items()}
+    return families | {
+        "UTF-16": lambda: base.encode("utf-16"),
+        "bytes that are no UTF-8": lambda: base.encode() + b"\xff\xfe",
+        "zeros": lambda: bytes(3_000_000),
+    }
 
 
 def task_case(rng: random.Random) -> Case:
@@ -280,13 +297,15 @@ def image_bombs() -> dict[str, Callable[[], bytes]]:
             struct.pack(">I", len(d)) + k + d + struct.pack(">I", zlib.crc32(k + d)) for k, d in parts
         )
 
-    packed = zlib.compress(bytes(200_000_000), 9)
+    def packed() -> bytes:
+        return zlib.compress(bytes(200_000_000), 9)
+
     return {
         "a large header": lambda: png(2**31 - 1, 2**31 - 1),
         "4096 x 4096": lambda: png(4096, 4096, (b"IDAT", zlib.compress(bytes(4097 * 4096), 9))),
         "too wide": lambda: png(5000, 2, (b"IDAT", zlib.compress(bytes(5001 * 2)))),
-        "packed pixels": lambda: png(10, 10, (b"IDAT", packed)),
-        "packed text": lambda: png(10, 10, (b"zTXt", b"a\0\0" + packed), (b"IDAT", zlib.compress(bytes(110)))),
+        "packed pixels": lambda: png(10, 10, (b"IDAT", packed())),
+        "packed text": lambda: png(10, 10, (b"zTXt", b"a\0\0" + packed()), (b"IDAT", zlib.compress(bytes(110)))),
         "no pixels": lambda: png(10, 10),
         "PGM of digits": lambda: b"P2 " + b"9" * 100_000 + b" 9 255\n",
         "PGM in text": lambda: b"P2 40 40 255\n" + b"0 " * 1_000_000,
@@ -462,24 +481,32 @@ def set_case(rng: random.Random) -> Case:
     )
 
 
-def manifest_case(rng: random.Random) -> Case:
-    """Draw a recorded folder whose manifest or files are wrong."""
+def good_recording() -> Files:
+    """Return a recorded folder with its manifest, its task, and a task beside it."""
     files = good_set()
     hashes = json.loads(files[f"{RECORDED}.certificate.json"])["sha256"]
-    entry = {"task": "../task.toml", "options": {"design": "refined", "scalar": "float"}, "sha256": hashes}
+    options = {"design": "refined", "scalar": "float"}
+    entry = {"task": "../task.toml", "inputs_sha256": "0" * 64, "options": options, "sha256": hashes}
     manifest = json.dumps({"format": 1, "tools": {}, "folders": {f"{RECORDED}/refined/float": entry}}).encode()
-    family, part = rng.choice(("bomb", "bytes", "tokens", "structure", "structure")), "recorded/MANIFEST.json"
     tree = {f"recorded/{RECORDED}/refined/float/{n}": d for n, d in files.items() if n != "task.toml"}
-    tree |= {"task.toml": files["task.toml"], part: manifest}
-    if rng.random() < 0.3:
-        part = f"recorded/{RECORDED}/refined/float/{RECORDED}.c"
+    return tree | {"task.toml": files["task.toml"], "second.toml": good_task("empty"), "recorded/MANIFEST.json": manifest}
+
+
+def manifest_case(rng: random.Random) -> Case:
+    """Draw a recorded folder whose manifest, C or task is wrong, or a task beside it."""
+    tree = good_recording()
+    part = rng.choice(
+        (*["recorded/MANIFEST.json"] * 4, f"recorded/{RECORDED}/refined/float/{RECORDED}.c", "task.toml", "second.toml")
+    )
+    family, data = rng.choice(("bomb", "bytes", "tokens", "structure", "structure")), tree[part]
     if family == "bomb":
-        family, make = rng.choice(list((json_bombs if part.endswith("json") else source_bombs)(tree[part]).items()))
+        bombs = task_bombs() if part.endswith("toml") else json_bombs(data) if part.endswith("json") else source_bombs(data)
+        family, make = rng.choice(list(bombs.items()))
         tree[part] = make()
     elif family == "structure" and part.endswith("json"):
-        tree[part] = json.dumps(mutate_structure(json.loads(manifest), rng), default=float).encode()
+        tree[part] = json.dumps(mutate_structure(json.loads(data), rng), default=float).encode()
     else:
-        tree[part] = (mutate_bytes if family == "bytes" else mutate_tokens)(tree[part], rng)
+        tree[part] = (mutate_bytes if family == "bytes" else mutate_tokens)(data, rng)
     accept = ("--accept",) if rng.random() < 0.3 else ()
     return Case("manifest", f"{Path(part).name}: {family}", tree, ("check", "recorded", *accept))
 
@@ -516,27 +543,21 @@ def draw_case(number: int, seed: int) -> Case:
     return MAKERS[number % len(MAKERS)](random.Random(f"{seed} {number}"))
 
 
-def family_cases() -> Iterator[Case]:
+def bombs() -> Iterator[Bomb]:
     """Yield every bomb once."""
-    for name, make in task_bombs().items():
-        yield Case("task", name, {"task.toml": make()}, ("generate", "task.toml", "--out", "out", "--effort", "0"))
-    for name, make in yaml_bombs().items():
-        yield Case(
-            "map",
-            f"map.yaml: {name}",
-            {**good_map(random.Random(0)), "map.yaml": make()},
-            ("map", "map.yaml", "--picture", "out"),
-        )
-    for name, make in image_bombs().items():
-        yield Case(
-            "map", f"a.img: {name}", {**good_map(random.Random(0)), "a.img": make()}, ("map", "map.yaml", "--picture", "out")
-        )
-    for name, make in record_bombs().items():
-        yield Case("record", name, {"step.csv": make()}, ("lag", "step.csv"))
-    files = good_set()
-    arguments = ("certify", "task.toml", f"{RECORDED}.c", f"{RECORDED}.certificate.json")
-    for part, bombs in ((f"{RECORDED}.c", source_bombs), (f"{RECORDED}.certificate.json", json_bombs)):
-        for name, make in bombs(files[part]).items():
-            yield Case("certificate", f"{part}: {name}", {**files, part: make()}, arguments)
-    for name, make in task_bombs().items():
-        yield Case("certificate", f"task.toml: {name}", {**files, "task.toml": make()}, arguments)
+    generate = ("generate", "task.toml", "--out", "out", "--effort", "0")
+    draw_map = ("map", "map.yaml", "--picture", "out")
+    certify = ("certify", "task.toml", f"{RECORDED}.c", f"{RECORDED}.certificate.json")
+    chart, files, recording = good_map(random.Random(0)), good_set(), good_recording()
+    for kind, part, makers, good_files, arguments in (
+        ("task", "task.toml", task_bombs(), {}, generate),
+        ("map", "map.yaml", yaml_bombs(), chart, draw_map),
+        ("map", "a.img", image_bombs(), chart, draw_map),
+        ("record", "step.csv", record_bombs(), {}, ("lag", "step.csv")),
+        ("certificate", f"{RECORDED}.c", source_bombs(files[f"{RECORDED}.c"]), files, certify),
+        ("certificate", certify[-1], json_bombs(files[certify[-1]]), files, certify),
+        ("certificate", "task.toml", task_bombs(), files, certify),
+        ("manifest", "second.toml", task_bombs(), recording, ("check", "recorded")),
+    ):  # fmt: skip
+        for name, make in makers.items():
+            yield Bomb(kind, f"{part}: {name}", good_files, arguments, part, make)

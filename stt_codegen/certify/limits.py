@@ -86,8 +86,8 @@ def sufficient_norm(task: Task, needed: Sequence[Fraction]) -> tuple[tuple[str, 
 
     It is empty where the task's own norm leaves it, or where another limit is too small.
     """
-    norm, caps = task.control.u_norm, task.limit_caps
-    if norm is None or is_within_norm(needed, norm) or any(map(operator.ge, needed, caps or ())):
+    norm, stated = task.control.u_norm, task.stated_u_max
+    if norm is None or is_within_norm(needed, norm) or any(map(operator.ge, needed, stated or ())):
         return ()
     return (("control.u_norm", Fraction(math.sqrt(sum(v * v for v in needed)))),)
 

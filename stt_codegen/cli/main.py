@@ -87,7 +87,7 @@ def run(commands: typer.Typer, program: str) -> None:
         code = 0
     except KeyboardInterrupt:
         code = 130
-    except (Exception, RecursionError) as error:
+    except Exception as error:
         if is_debug and not isinstance(error, (UsageError, SttError, OSError)):
             raise
         code = _report(error, program)

@@ -13,10 +13,9 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from stt_codegen.cli.streams import discard
+from stt_codegen.cli.streams import discard, escape_control_characters
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.effort import DEFAULT_SECONDS, Effort
-from stt_codegen.files import printable
 from stt_codegen.program.targets import TARGETS
 
 TaskFile = Annotated[Path, typer.Argument(metavar="TASK", help="a task file, see tasks/")]
@@ -65,14 +64,14 @@ def one_of(names: Sequence[str], explanation: str) -> Any:
 def say(text: str) -> None:
     """Print progress or a message to stderr, as one line. Where nobody can read it, the command goes on."""
     try:
-        print(printable(text), file=sys.stderr, flush=True)
+        print(escape_control_characters(text), file=sys.stderr, flush=True)
     except OSError:
         discard(sys.stderr)
 
 
 def print_line(text: str) -> None:
     """Print a line with paths or texts of files to stdout."""
-    print(printable(text))
+    print(escape_control_characters(text))
 
 
 def print_json(document: Any) -> None:

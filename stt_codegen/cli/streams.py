@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import os
 import sys
+import unicodedata
 from contextlib import suppress
 from typing import TextIO
 
@@ -32,3 +33,11 @@ def discard(stream: TextIO) -> None:
     """Send what the stream still has, and all that follows, to /dev/null: else Python tries again when it ends."""
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def escape_control_characters(text: str) -> str:
+    """Return a text as one line without control characters: those of a path or a value are written as escapes."""
+    return "".join(
+        character if not unicodedata.category(character).startswith(("C", "Zl", "Zp")) else repr(character)[1:-1]
+        for character in text
+    )

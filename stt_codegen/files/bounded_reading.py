@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import select
-import unicodedata
+import stat
 from pathlib import Path
 
 from stt_codegen.errors import BadInput
@@ -38,12 +38,13 @@ def read_input(path: Path, limit: int, remedy: str) -> bytes:
 def _read(descriptor: int, limit: int) -> bytes:
     """Return what a descriptor has, at most one byte more than `limit`. Raises `OSError` where nothing comes in time."""
     pieces, size = [], 0
+    if stat.S_ISFIFO(os.fstat(descriptor).st_mode):
+        _wait(descriptor)  # a pipe without a writer reads as one that has ended, and its writer may come later
     while size <= limit:
         try:
             piece = os.read(descriptor, min(PIECE, limit + 1 - size))
         except BlockingIOError:
-            if not select.select([descriptor], [], [], PIPE_WAIT_LIMIT)[0]:
-                raise OSError(0, f"nothing came for {PIPE_WAIT_LIMIT:.0f} s") from None
+            _wait(descriptor)
             continue
         if not piece:
             break
@@ -52,17 +53,15 @@ def _read(descriptor: int, limit: int) -> bytes:
     return b"".join(pieces)
 
 
+def _wait(descriptor: int) -> None:
+    """Wait until a pipe has something, or its writer has left. Raises `OSError` where neither comes in time."""
+    if not select.select([descriptor], [], [], PIPE_WAIT_LIMIT)[0]:
+        raise OSError(0, f"nothing came for {PIPE_WAIT_LIMIT:.0f} s")
+
+
 def decode(path: Path, data: bytes, remedy: str) -> str:
     """Return the text of a file in UTF-8, without a byte order mark. Raises `BadInput`."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise BadInput(f"{path}: byte {error.start} is not UTF-8; {remedy}") from None
-
-
-def printable(text: str) -> str:
-    """Return a text as one line without control characters: those of a path or a value are written as escapes."""
-    return "".join(
-        character if not unicodedata.category(character).startswith(("C", "Zl", "Zp")) else repr(character)[1:-1]
-        for character in text
-    )

@@ -48,11 +48,11 @@ def locked(folders: Iterable[Path]) -> Iterator[None]:
     """Make the folders, and keep other writers out of them until the block ends.
 
     Raises `BadInput` where a folder cannot be made, or another writer does not end within `WAIT_LIMIT`. All writers lock in the
-    order of the paths, a folder before those in it, so that no two wait for each other.
+    order of the paths without links, a folder before those in it, so that no two wait for each other.
     """
     deadline = time.monotonic() + WAIT_LIMIT
     with ExitStack() as locks:
-        for folder in sorted(set(folders), key=lambda folder: folder.absolute()):
+        for folder in sorted(set(folders), key=os.path.realpath):
             try:
                 release = _lock(folder, deadline)
             except OSError as error:

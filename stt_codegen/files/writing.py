@@ -11,7 +11,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from stt_codegen.errors import BadInput
-from stt_codegen.files.certified_contents import CERTIFICATE_SUFFIX, require_certified_contents
+from stt_codegen.files.certified_contents import (
+    CERTIFICATE_SUFFIX,
+    require_certificates_that_stay_to_fit,
+    require_certified_contents,
+)
 from stt_codegen.files.locks import locked
 
 UNFINISHED_SUFFIX = ".unfinished"  # of a file that is being written; its name begins with a dot
@@ -22,10 +26,12 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
 
     One writer at a time: others wait. After an error all files are old. If the process is killed, each file is whole, but some
     may be new; then the folder has no certificate that could vouch for the mixture. Raises `BadInput` when the folder cannot be
-    written, another writer does not end, or a file is not the one that a certificate among them is about.
+    written, another writer does not end, or a file is not the one that a certificate is about, which is among them
+    or stays in the folder.
     """
     require_certified_contents(files)
     with locked({folder, *((folder / name).parent for name in files)}):
+        require_certificates_that_stay_to_fit(folder, files)
         try:
             _replace_files(folder, files)
         except OSError as error:
@@ -53,7 +59,10 @@ def _replace_files(folder: Path, files: Mapping[str, bytes]) -> None:
             replaced.append(name)
     except OSError:
         for name in dict.fromkeys([*replaced, *removed]):
-            (folder / name).write_bytes(old[name]) if name in old else (folder / name).unlink(missing_ok=True)
+            if name in old:
+                (folder / name).write_bytes(old[name])
+            else:
+                (folder / name).unlink(missing_ok=True)
         raise
     finally:
         for name, path in finished.items():

@@ -14,7 +14,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from stt_codegen.errors import BadInput
-from stt_codegen.files import json_object, read_input, write_files
+from stt_codegen.files import parse_json_object, read_input, write_files
 from stt_codegen.lemmas.lemma import Outcome, Verdict
 
 CACHE_SIZE_LIMIT = 16_000_000  # bytes
@@ -49,7 +49,7 @@ class Cache:
         if fresh:
             return
         try:
-            document = json_object(read_input(self.path, CACHE_SIZE_LIMIT, "delete it"))
+            document = parse_json_object(read_input(self.path, CACHE_SIZE_LIMIT, "delete it"))
             if document["key"] == self.key:
                 self.outcomes = {
                     name: Outcome(Verdict(verdict), method, tuple(lines))

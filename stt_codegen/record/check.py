@@ -10,13 +10,13 @@ import difflib
 import hashlib
 import os
 import re
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from stt_codegen.errors import SttError
+from stt_codegen.errors import BadInput, SttError
+from stt_codegen.files import parse_toml, read_input, read_task_text
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.read import differences as program_differences
 from stt_codegen.record.manifest import (
@@ -33,6 +33,7 @@ from stt_codegen.record.manifest import (
 )
 
 SIZE_MARGIN = 1_000_000  # bytes; files that are larger than expected by more are not compared line by line
+SIZE_LIMIT = 64_000_000  # bytes; recorded files that are larger count as edited, and are not read
 DIFF_LINES = 40  # of one file that are shown; all other lines are counted
 SPELLED_OUT = ".task.toml"  # end of the name of a task that was written beside a controller
 _NUMBER = re.compile(r"(?<![\w.])-?(?:0[xX][0-9a-fA-F]+|\d+(?:\.\d*)?(?:[eE][+-]?\d+)?)[FfUuLl]*\b")
@@ -158,15 +159,27 @@ def change_of(root: Path, entry: RecordedFolder, files: Mapping[str, bytes]) -> 
     return FolderChange(
         folder=entry.folder,
         task=os.path.normpath(root / entry.task),
-        edited=tuple(name for name, path in on_disk.items() if name not in missing and _sha256(path) != entry.sha256[name]),
+        edited=tuple(name for name, path in on_disk.items() if name not in missing and not _has_hash(path, entry.sha256[name])),
         missing=missing,
-        task_changed=None if entry.inputs_sha256 is None else hash_of_inputs(root / entry.task) != entry.inputs_sha256,
+        task_changed=_is_task_changed(root, entry),
         makes_other_files={n: hashlib.sha256(data).hexdigest() for n, data in files.items()} != entry.sha256,
     )
 
 
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+def _has_hash(path: Path, digest: str) -> bool:
+    """Return whether a file on disk can be read, is within the bound, and has this SHA-256."""
+    try:
+        return hashlib.sha256(read_input(path, SIZE_LIMIT, "")).hexdigest() == digest
+    except BadInput:
+        return False
+
+
+def _is_task_changed(root: Path, entry: RecordedFolder) -> bool | None:
+    """Return whether a task or its maps changed; True where they cannot be read any more, None where no hash is recorded."""
+    try:
+        return None if entry.inputs_sha256 is None else hash_of_inputs(root / entry.task) != entry.inputs_sha256
+    except BadInput:
+        return True
 
 
 def unrecorded_tasks(root: Path, entries: Sequence[RecordedFolder]) -> list[str]:
@@ -180,8 +193,8 @@ def unrecorded_tasks(root: Path, entries: Sequence[RecordedFolder]) -> list[str]
 def _is_task(path: Path) -> bool:
     """Return whether a file may be meant as a task: it has a state space, or is no TOML that can be read."""
     try:
-        return "state_space" in tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except (OSError, ValueError, RecursionError):
+        return "state_space" in parse_toml(read_task_text(path))
+    except BadInput:
         return True
 
 

@@ -20,9 +20,9 @@ from stt_codegen import __version__
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.effort import Effort
 from stt_codegen.errors import BadInput, about
-from stt_codegen.files import CERTIFICATE_SUFFIX, json_object, locked, parse_toml, read_input, read_task_text, write_files
+from stt_codegen.files import CERTIFICATE_SUFFIX, locked, parse_json_object, parse_toml, read_input, read_task_text, write_files
 from stt_codegen.pipeline import EmittedController, build
-from stt_codegen.task.map import input_files
+from stt_codegen.task.map import IMAGE_SIZE_LIMIT, input_files
 
 MANIFEST = "MANIFEST.json"
 MANIFEST_FORMAT = 1
@@ -83,12 +83,16 @@ def _record(root: Path, task_file: Path, controller: EmittedController, uncertif
 def hash_of_inputs(task_file: Path) -> str:
     """Return the SHA-256 of what a task is read from: the data of its file, without comments and layout, and its maps.
 
-    No code of the tool changes it, so it is the same for every version of the tool.
+    No code of the tool changes it, so it is the same for every version of the tool. Raises `BadInput` where one of them cannot be
+    read.
     """
-    document = parse_toml(read_task_text(task_file))
+    text = read_task_text(task_file)
+    with about(task_file):
+        document = parse_toml(text)
     digest = hashlib.sha256(json.dumps(document, sort_keys=True, default=str).encode())
     for file in input_files(task_file)[1:]:
-        digest.update(hashlib.sha256(file.read_bytes()).digest())
+        data = read_input(file, IMAGE_SIZE_LIMIT, f"{task_file} is read from it")
+        digest.update(hashlib.sha256(data).digest())
     return digest.hexdigest()
 
 
@@ -118,7 +122,7 @@ def read_manifest(root: Path) -> list[RecordedFolder]:
     if root.is_file():
         raise BadInput(f"{root}: is a file; give the folder that holds {MANIFEST}")
     try:
-        document = json_object(read_input(path, SIZE_LIMIT, f"make one with: stt-codegen generate TASK --record {root}"))
+        document = parse_json_object(read_input(path, SIZE_LIMIT, f"make one with: stt-codegen generate TASK --record {root}"))
         if document["format"] != MANIFEST_FORMAT:
             problem = f"has format {document['format']!r:.20}, this version writes {MANIFEST_FORMAT}"
             raise BadInput(f"{path}: {problem}; record the tasks again")
@@ -148,7 +152,7 @@ def read_manifest(root: Path) -> list[RecordedFolder]:
 
 def recorded_tools(root: Path) -> dict[str, str]:
     """Return the tool versions that the manifest names."""
-    tools = json_object(read_input(root / MANIFEST, SIZE_LIMIT, "record the tasks again")).get("tools")
+    tools = parse_json_object(read_input(root / MANIFEST, SIZE_LIMIT, "record the tasks again")).get("tools")
     return {str(k): str(v) for k, v in tools.items()} if isinstance(tools, dict) else {}
 
 

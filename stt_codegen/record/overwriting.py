@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.errors import BadInput
-from stt_codegen.files import CERTIFICATE_SUFFIX, hashes_in, parse_certificate, possible_paths, read_input
+from stt_codegen.files import CERTIFICATE_SUFFIX, hashes_in, parse_certificate, possible_paths, read_certificate, read_input
 from stt_codegen.task.map import input_files
 
 UNIT_SUFFIX = ".fmu"
@@ -91,7 +91,7 @@ def _certificates_with(folder: Path, path: str) -> Iterator[tuple[str, dict[str,
         return
     for relative_folder in (".", "../extras"):
         for candidate in sorted((file.parent / relative_folder).glob(f"*{CERTIFICATE_SUFFIX}")) if file.exists() else ():
-            certificate = parse_certificate(_content(candidate))
+            certificate = read_certificate(candidate)
             has_file = candidate.name == file.name or file.name in hashes_in(certificate)
             if certificate.get("certified") is True and has_file:
                 yield Path(os.path.relpath(candidate, folder)).as_posix(), certificate

@@ -14,12 +14,13 @@ from typing import Any
 
 import numpy as np
 
+from stt_codegen.arrays import one_if_equal
 from stt_codegen.decimals import above, below, by_component
 from stt_codegen.sampling import Bounds, bounds_of_task
 from stt_codegen.task import Task
 
 SMALLEST, LARGEST = Fraction(1, 10**9), Fraction(10**9)  # of numbers in a task, apart from 0
-OneOrEach = float | list[float] | None
+OneOrEach = float | tuple[float, ...] | None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,7 +181,7 @@ def propose_bounds(
     outside = next((f"{k} would be {v:.4g}" for k, values in table.items() for v in values if v and not _is_in_range(v)), None)
     if outside is not None:
         return ProposedBounds(reason=f"{outside}, and a task takes 0 or numbers from 1e-9 to 1e9; rescale the units")
-    f_max, w_max, g_min, g_max, g_cross = (_one_if_equal(values) for values in table.values())
+    f_max, w_max, g_min, g_max, g_cross = (one_if_equal(values) if values else None for values in table.values())
     return ProposedBounds(f_max=f_max, w_max=w_max, g_min=g_min, g_max=g_max, g_cross=g_cross, lines=tuple(_lines(task, table)))
 
 
@@ -191,11 +192,6 @@ def _stated_above(value: Fraction) -> float:
 
 def _is_in_range(value: float) -> bool:
     return SMALLEST <= Fraction(f"{value:.9g}") <= LARGEST
-
-
-def _one_if_equal(values: list[float]) -> OneOrEach:
-    """Return one number where all are equal, None for an empty list."""
-    return None if not values else values[0] if len(set(values)) == 1 else values
 
 
 def _lines(task: Task, table: dict[str, list[float]]) -> Iterator[str]:

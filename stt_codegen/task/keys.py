@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Sequence
+from functools import cache, lru_cache
 from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel
@@ -44,9 +45,10 @@ class TableOfKeys(NamedTuple):
         return next((table.heading for table in all_tables() if table.path == path), f"[{path}]")
 
 
-def all_tables() -> list[TableOfKeys]:
+@cache
+def all_tables() -> tuple[TableOfKeys, ...]:
     """Return every table of a task file, those within tables too. A table of several kinds has the keys of all kinds."""
-    return [*_tables_within("", False, (TaskTables,)), TableOfKeys("map", False, MAP_KEYS)]
+    return (*_tables_within("", False, (TaskTables,)), TableOfKeys("map", False, MAP_KEYS))
 
 
 def _tables_within(path: str, is_listed: bool, kinds: Sequence[type[BaseModel]]) -> Iterator[TableOfKeys]:
@@ -81,6 +83,7 @@ def similar_key(key: str, known_keys: Sequence[str]) -> SimilarKey | None:
     return max(candidates, key=lambda c: c[0], default=(0.0, None))[1]
 
 
+@lru_cache(1 << 14)  # all pairs of known keys; those of a task have no end
 def _similarity(key: str, known_key: str) -> float:
     """Return the share of equal letters of two keys."""
     return difflib.SequenceMatcher(None, known_key, key.lower().replace("-", "_")).ratio()

@@ -360,7 +360,7 @@ class TaskTables(TomlTable):
     @property
     def has_automatic_limit(self) -> bool:
         """Whether the pipeline has to choose u_max: it is "auto", absent beside a period or u_norm, or beyond u_norm."""
-        limits, norm = self.stated_u_max, self.control.u_norm
+        limits, norm = self._limits_in(self.control), self.control.u_norm
         if limits is None:
             return self.control.u_max is not None or self.control.period is not None or norm is not None
         return norm is not None and not is_within_norm(limits, norm)
@@ -389,13 +389,16 @@ class TaskTables(TomlTable):
     @property
     def u_max(self) -> tuple[Fraction, ...] | None:
         """The saturation of u by component; None for none, and while it is not chosen."""
-        return None if self.has_automatic_limit else self.stated_u_max
+        return None if self.has_automatic_limit else self._limits_in(self.control)
 
     @property
     def stated_u_max(self) -> tuple[Fraction, ...] | None:
         """The numbers of control.u_max by component, of which u_norm may allow a part only; None where it has none."""
-        u_max = self.control.u_max
-        return None if u_max is None or isinstance(u_max, str) else self._per_component(u_max)
+        return self._limits_in(self.control)
+
+    def _limits_in(self, control: ControlOptions) -> tuple[Fraction, ...] | None:
+        """Return the numbers of u_max in a table [control] by component; None where it has none."""
+        return None if control.u_max is None or isinstance(control.u_max, str) else self._per_component(control.u_max)
 
     @property
     def emitted_u_max(self) -> tuple[Fraction, ...] | None:

@@ -16,6 +16,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ModelWrapValidatorHandler, PrivateAttr, ValidationError, model_validator
 
+from stt_codegen.arrays import one_if_equal
 from stt_codegen.decimals import exact_decimal
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.errors import BadInput
@@ -181,7 +182,7 @@ class Task(TaskTables):
 
     def with_gain(self, gain: Sequence[Fraction]) -> Task:
         """Return the task, with the same digest, with this gain by component in place of its own."""
-        value = gain[0] if len(set(gain)) == 1 else tuple(gain)
+        value = one_if_equal(gain)
         with_gain = self.model_copy(update={"control": self.control.model_copy(update={"gain": value})})
         if self._before_choice is not None:
             control, plant = self._before_choice
@@ -199,8 +200,7 @@ class Task(TaskTables):
 
         plant: the bounds that are assumed. u_max, gain: by component. `changed` starts again from what the task states.
         """
-        options = {name: tuple(v) for name, v in (("u_max", u_max), ("gain", gain)) if v is not None}
-        values = {name: v[0] if len(set(v)) == 1 else v for name, v in options.items()}
+        values = {name: one_if_equal(v) for name, v in (("u_max", u_max), ("gain", gain)) if v is not None}
         tables: dict[str, Any] = {"control": self.control.model_copy(update=values)} | ({"plant": plant} if plant else {})
         chosen = self.model_copy(update=tables)
         chosen._before_choice = self._before_choice or (self.control, self.plant)
@@ -218,10 +218,9 @@ class Task(TaskTables):
         return self.u_max is not None and self.control.u_max != self._stated_tables[0].u_max
 
     @property
-    def limit_caps(self) -> tuple[Fraction, ...] | None:
-        """The limits of u that the task states by component, whatever was chosen within them; None for none."""
-        stated = self._stated_tables[0].u_max
-        return None if stated is None or isinstance(stated, str) else self._per_component(stated)
+    def stated_u_max(self) -> tuple[Fraction, ...] | None:
+        """The numbers of control.u_max by component, whatever was chosen within them; None where it has none."""
+        return self._limits_in(self._stated_tables[0])
 
     def limit_key(self, axis: int | None = None) -> str:
         """Return the key of the task file to raise where u is too small, on one axis (from 0) or on any.

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import typer
 from typer.testing import CliRunner
 
 from benchmarks.command_line import suites
-from benchmarks.ends import JSON_COMMANDS
+from benchmarks.ends import JSON_COMMANDS, problems_of
 from benchmarks.suites.arenas import USUAL_PARTS, ArenaJob, ArenaPart, ArenaResult, run_arena, run_jobs, summarize
 from benchmarks.suites.command import ArenaOptions, parts_of
 from benchmarks.suites.families import FAMILIES, arena_task, cubes, is_feasible
@@ -156,3 +157,25 @@ def test_both_ends_of_the_dependencies_use_every_command_that_prints_json() -> N
     commands = typer.main.get_command(app).commands  # type: ignore[attr-defined]
     with_json = {name for name, command in commands.items() if any("--json" in option.opts for option in command.params)}
     assert set(JSON_COMMANDS) == with_json | {"schema"}  # which is JSON by itself
+
+
+GOOD = {"stdout": "{}", "stderr": "  designing: 2 s ...\nnote: omni_s2: 3 starts\n", "returncode": 0}
+
+
+@pytest.mark.parametrize(
+    ("change", "problem"),
+    [
+        ({}, ""),
+        ({"stderr": "Running HiGHS 1.9.0\n"}, "Running HiGHS"),
+        ({"stderr": "/lib/numpy.py:3: DeprecationWarning: old\n  np.old()\n"}, "DeprecationWarning"),
+        ({"stderr": "This program contains Ipopt\n"}, "Ipopt"),
+        ({"stdout": "{}\n{}"}, "no JSON document"),
+        ({"stdout": "hello"}, "no JSON document"),
+        ({"returncode": 5}, "exit code 5"),
+        ({"returncode": 4, "stderr": "stt-codegen: no emulator\n"}, ""),
+    ],
+)
+def test_both_ends_of_the_dependencies_notice_what_a_library_prints(change: dict[str, Any], problem: str) -> None:
+    problems = problems_of(subprocess.CompletedProcess([], **{**GOOD, **change}))
+    assert len(problems) == bool(problem), problems
+    assert problem in "".join(problems)

@@ -1,4 +1,4 @@
-"""Sixty of the inputs of `python -m benchmarks nasty`, of other seeds; and what its judge notices."""
+"""Thirty of the inputs of `python -m benchmarks nasty`, of other seeds; and what its judge notices."""
 
 from __future__ import annotations
 
@@ -10,25 +10,33 @@ from pathlib import Path
 import pytest
 
 from benchmarks.nasty import Outcome, broken_laws, half_written
-from benchmarks.suites.nasty_inputs import MAKERS, Case, draw_case, family_cases, fields_of_schema
+from benchmarks.suites.nasty_inputs import MAKERS, Case, bombs, draw_case, fields_of_schema
 from tests.support.controllers import ROOT
 
+COUNT, SEED = 30, 6
+KINDS = {"task", "map", "record", "certificate", "folder", "manifest", "option"}
 
-def test_sixty_nasty_inputs_get_their_message() -> None:
+
+def test_thirty_nasty_inputs_get_their_message() -> None:
     """In a process of its own, which has no threads when it divides."""
-    command = [sys.executable, "-m", "benchmarks", "nasty", "--count", "60", "--seed", "1"]
+    command = [sys.executable, "-m", "benchmarks", "nasty", "--count", str(COUNT), "--seed", str(SEED)]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=600)
     assert result.returncode == 0, result.stdout + result.stderr
-    assert "60 inputs" in result.stdout
+    assert f"{COUNT} inputs" in result.stdout
 
 
 def test_cases_are_the_same_for_a_seed_and_of_every_kind() -> None:
     first, second = ([draw_case(number, 7) for number in range(2 * len(MAKERS))] for _ in range(2))
     assert first == second
-    assert {case.kind for case in first} >= {"task", "map", "record", "certificate", "manifest", "option"}
-    assert len({(case.kind, case.family) for case in family_cases()}) > 100
+    assert len({(bomb.kind, bomb.family) for bomb in bombs()}) == len(list(bombs())) > 100
     assert ("plant", "g_min") in fields_of_schema()
     assert ("unsafe", "motion", "at") in fields_of_schema()
+
+
+def test_the_drawn_inputs_and_the_bombs_are_of_every_kind() -> None:
+    assert {draw_case(number, SEED).kind for number in range(COUNT)} == KINDS
+    assert {bomb.kind for bomb in bombs()} == KINDS - {"folder", "option"}
+    assert {Path(bomb.part).suffix for bomb in bombs() if bomb.kind == "manifest"} == {".toml"}
 
 
 def outcome(**changes: object) -> Outcome:

@@ -18,15 +18,11 @@ from hypothesis import strategies as st
 from benchmarks.oracles.tubes import faults, first_fault
 from stt_codegen.certify.slack import ConstraintBlock, smallest_slack
 from stt_codegen.constraints import avoidances, width_constraints
-from stt_codegen.controller.covered_starts import compute_covered_starts
 from stt_codegen.design.arena import arena_of, with_one_clearance
 from stt_codegen.designs.refined import RefinedDesign
-from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop import Loop, Scenario, scenario_of_task
-from stt_codegen.plants import plant_of
+from stt_codegen.errors import NotCertified
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
-from stt_codegen.theorem.reading import read_task, uncovered_loop_feature
 from tests.support.checked_files import REFUSED, VERIFIED, Files, certificate_of, verdict, verdict_of_proof, with_text
 from tests.support.controllers import build_once
 
@@ -295,83 +291,3 @@ KINDS = {
 def test_the_checker_verifies_tasks_of_every_kind_with_lists(kind: str, tmp_path: Path) -> None:
     files = {**build_once(parse_task(KINDS[kind])).files, "task.toml": KINDS[kind].encode()}
     assert verdict(files, tmp_path).code == VERIFIED, verdict(files, tmp_path)
-
-
-# ------------------------------------------------------------------------------------------------ noise
-
-
-def test_starts_are_narrowed_by_the_noise_of_their_own_component() -> None:
-    tasks = [hall(more=f"[plant]\nnoise = {noise}") for noise in ("[0.01, 0.01]", "[0.01, 0.04]")]
-    design = build_once(tasks[0]).design
-    assert isinstance(design, RefinedDesign)
-    first, second = (compute_covered_starts(task, design).positions for task in tasks)
-    assert first[0] == second[0]
-    assert (second[1][0] - first[1][0], first[1][1] - second[1][1]) == (Fraction("0.03"),) * 2
-
-
-def test_the_loop_errs_by_the_noise_of_each_component() -> None:
-    controller = build_once(hall(more="[plant]\nnoise = [0, 0.01]"))
-    assert scenario_of_task(controller.task)["noise"] == (0.0, 0.01)
-    loop = Loop(controller, plant_of("integrator", 2))
-    exact, noisy, same = (loop.run(Scenario(rate=100.0, noise=v), trace=True).trace for v in (0.0, (0.0, 0.01), (0.01, 0.01)))
-    assert (exact[:, 1] == noisy[:, 1]).all()
-    assert (exact[:, 2] != noisy[:, 2]).any()
-    assert (loop.run(Scenario(rate=100.0, noise=0.01), trace=True).trace == same).all()
-    for noise, message in (((0.1,), "has 1 entries"), ((0.1, -1.0), "finite number of 0 or more"), ("a", "the text 'a'")):
-        with pytest.raises(BadInput, match=message):
-            loop.run(Scenario(rate=100.0, noise=noise))  # type: ignore[arg-type]
-
-
-# ------------------------------------------------------------------------------------------------ turns, walls, theorems, bad lists
-
-
-def test_every_entry_takes_part_in_what_closed_axes_add() -> None:
-    text = HALL.replace("prescribed_time", 'axes = ["x", "yaw"]\nperiodic = { yaw = 6.2832 }\nprescribed_time')
-    text = re.sub(r"\[\[unsafe\]\]\nlower = \[3\.6.*", "", text, flags=re.S) + "[tube]\n"
-    number, listed = (
-        parse_task(f"{text}clearance = {c}\n[plant]\nnoise = {n}") for c, n in (("0.03", "0.01"), ("[0.03, 0.06]", "[0.01, 0]"))
-    )
-    added = [number.tube.clearance - Fraction("0.03"), number.plant.noise - Fraction("0.01")]  # type: ignore[operator]
-    assert min(added) >= 0
-    assert added[1] > 0
-    assert listed.clearances == (Fraction("0.03") + added[0], Fraction("0.06") + added[0])
-    assert listed.noise == (Fraction("0.01") + added[1], added[1])
-
-
-def test_no_theorem_is_written_about_a_list() -> None:
-    kinds = {"design": "refined", "scalar": "float"}
-    for key in ("clearance", "min_width"):
-        with pytest.raises(BadInput, match=rf"theorem: not yet about tube\.{key} by component: state one number"):
-            read_task(hall_files(f"{key} = [0.1, 0.1]")["task.toml"].replace(b"motion", b"#").replace(b"spread", b"#"), kinds)
-    noisy = re.sub(r"\[\[unsafe\]\]\nlower = \[3\.6.*", "", HALL, flags=re.S) + SAMPLED + "noise = [0.1, 0.1]"
-    assert uncovered_loop_feature(read_task(noisy.encode(), kinds)).startswith("a control.u_max") is False
-    assert uncovered_loop_feature(read_task(noisy.encode(), kinds)) == "a plant.noise by component"
-
-
-BAD_LISTS = [
-    ("[0.1]", r"has 1 entries; state_space\.lower has 2, and all must agree"),
-    ("[0.1, 0.1, 0.1]", "has 3 entries"),
-    ("[0.1, -0.1]", r"\[1\]: is -0\.1; it must be 0 or greater"),
-    ('[0.1, "wide"]', r"\[1\]: is the text 'wide'; a number is needed"),
-    ("[0.1, nan]", r"\[1\]: is NaN; a finite number is needed"),
-    ("[]", "is an empty list"),
-    ("[[0.1, 0.1], [0.1, 0.1]]", r"\[0\]: is a list; a number is needed"),
-    ('"auto"', "is the text 'auto'"),
-    ("{ x = 0.1 }", "is a table"),
-]
-
-
-@pytest.mark.parametrize("key", ["tube.clearance", "tube.min_width", "plant.noise", "plant.noise_v"])
-@pytest.mark.parametrize(("value", "message"), BAD_LISTS)
-def test_a_bad_list_gets_one_message(key: str, value: str, message: str) -> None:
-    table, _, name = key.partition(".")
-    with pytest.raises(BadInput) as refusal:
-        parse_task(f"{HALL}[{table}]\n{'order = 2' if name == 'noise_v' else ''}\n{name} = {value}")
-    assert re.search(rf"{re.escape(key)}(: )?{message}", str(refusal.value)), refusal.value
-    assert "\n" not in str(refusal.value).strip()
-
-
-def test_the_list_of_a_room_with_an_outline_is_counted_before_its_walls_are_chosen() -> None:
-    outline = HALL.replace("lower = [0, 0]\nupper = [4, 4]", "outline = [[0, 0], [4, 0], [4, 4], [2, 4], [2, 3.9], [0, 3.9]]")
-    with pytest.raises(BadInput, match=r"tube\.clearance: has 3 entries"):
-        parse_task(f"{outline}[tube]\nclearance = [0.1, 0.1, 0.1]")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import io
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from stt_codegen.checker import FOLDER as CHECKER
+from stt_codegen.cli.main import main
 from tests.support.controllers import ROOT
 
 TASK = str(ROOT / "tasks" / "omni_s1.toml")
@@ -65,18 +68,42 @@ def test_progress_to_a_reader_that_left_does_not_end_the_command(tmp_path: Path)
     assert (result.returncode, result.stdout, result.stderr) == (0, "done\n", "")
 
 
-def test_a_character_that_the_encoding_lacks_is_written_as_an_escape(tmp_path: Path) -> None:
-    for name in ("täsk.toml", "two\nlines.toml", "bell\a.toml", os.fsdecode(b"\xff.toml")):
-        path = tmp_path / name
-        path.write_text("name = 1\n")
-        for encoding in ("ascii", "utf-8", "latin-1"):
-            variables = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": encoding, "LC_ALL": "C"}
-            command = [sys.executable, "-m", "stt_codegen.cli", "design", name]
-            result = subprocess.run(command, cwd=tmp_path, env=variables, capture_output=True, check=False)
-            lines = [line for line in result.stderr.decode(encoding).splitlines() if not line.endswith(" s ...")]  # no progress
-            assert (result.returncode, len(lines)) == (2, 1), lines
-            assert "name: " in lines[0]
-            assert lines[0].isprintable()
+def stderr_in_this_process(name: str, encoding: str, monkeypatch: pytest.MonkeyPatch) -> bytes:
+    """Return what `design` writes to stderr about a task file, where the streams have this encoding."""
+    buffer = io.BytesIO()
+    for stream in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, stream, io.TextIOWrapper(buffer, encoding=encoding, errors="strict"))
+    monkeypatch.setattr(sys, "argv", ["stt-codegen", "design", name])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    sys.stderr.flush()
+    return buffer.getvalue()
+
+
+def stderr_of_a_process(name: str, encoding: str, _monkeypatch: pytest.MonkeyPatch) -> bytes:
+    variables = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": encoding, "LC_ALL": "C"}
+    command = [sys.executable, "-m", "stt_codegen.cli", "design", name]
+    result = subprocess.run(command, env=variables, capture_output=True, check=False)
+    assert result.returncode == 2
+    return result.stderr
+
+
+NAMES = ("täsk.toml", "two\nlines.toml", "bell\a.toml", os.fsdecode(b"\xff.toml"))
+IN_THIS_PROCESS = [(stderr_in_this_process, name, code) for name in NAMES for code in ("ascii", "utf-8", "latin-1")]
+IN_A_PROCESS = [(stderr_of_a_process, NAMES[0], "ascii"), (stderr_of_a_process, NAMES[-1], "utf-8")]
+
+
+@pytest.mark.parametrize(("run", "name", "encoding"), [*IN_THIS_PROCESS, *IN_A_PROCESS])
+def test_a_character_that_the_encoding_lacks_is_written_as_an_escape(
+    run: Callable[..., bytes], name: str, encoding: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / name).write_text("name = 1\n")
+    monkeypatch.chdir(tmp_path)
+    lines = run(name, encoding, monkeypatch).decode(encoding).splitlines()
+    (line,) = [line for line in lines if not line.endswith(" s ...")]  # no progress
+    assert "name: " in line
+    assert line.isprintable()
 
 
 @pytest.mark.parametrize(("streams", "code"), [(">&-", 0), ("2>&-", 0), (">/dev/full", 2), ("2>/dev/full", 0), ("| true", 0)])

@@ -223,6 +223,24 @@ def test_an_altered_file_is_not_written_beside_its_certificate(name: str, tmp_pa
     write_files(tmp_path, without)  # nothing vouches for it
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_file_is_not_written_beside_a_certificate_that_is_about_another_one(kind: str, tmp_path) -> None:
+    files = package(build_once(load_task(ROOT / "tasks" / "omni_s3.toml").changed(emit={"rust": True})), kind)
+    write_files(tmp_path, files)
+    for path in files:
+        write_files(tmp_path, {path: files[path]})  # the same bytes
+    certificates = [path for path in files if path.endswith(".certificate.json")]
+    named = json.loads(files[certificates[0]])["sha256"] if certificates else {}
+    altered_paths = [path for path in files if Path(path).name in named]
+    assert bool(altered_paths) == (kind != "fmu")  # a unit of FMI has its certificate inside
+    for path in altered_paths:
+        with pytest.raises(BadInput, match="is about another one; write it with its certificate"):
+            write_files(tmp_path, {path: b"int quick;"})
+    assert {path: (tmp_path / path).read_bytes() for path in files} == files
+    (tmp_path / "damaged.certificate.json").write_bytes(b"{")
+    write_files(tmp_path, {"damaged.c": b""})
+
+
 def test_nothing_is_written_when_one_of_several_tasks_is_refused(tmp_path) -> None:
     (tmp_path / "bad.toml").write_text("name = 1\n")
     result = run_command("generate", str(ROOT / "tasks" / "empty.toml"), "bad.toml", "--out", "out", cwd=tmp_path)
@@ -520,6 +538,18 @@ def edit_c(root: Path) -> None:
     path.write_bytes(path.read_bytes() + b"\n")
 
 
+def damage_task(root: Path) -> None:
+    (root / "tasks" / "empty.toml").write_text("x = [")
+
+
+def lose_image(root: Path) -> None:
+    """Leave a task with a map whose image is gone."""
+    header = "image: hall.pgm\nresolution: 1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    (root / "tasks" / "hall.yaml").write_text(header)
+    with (root / "tasks" / "empty.toml").open("a") as task:
+        task.write('[map]\nfile = "hall.yaml"\n')
+
+
 def remove_header(root: Path) -> None:
     (root / "generated" / FOLDER / "empty.h").unlink()
 
@@ -606,13 +636,18 @@ def test_tasks_that_were_never_recorded_are_named(recorded) -> None:
     assert "never recorded" not in run_command("check", cwd=recorded).stdout
 
 
-def test_a_task_that_is_refused_now_is_a_difference_and_hides_no_other(recorded) -> None:
+def refuse_task(root: Path) -> None:
+    task = root / "tasks" / "empty.toml"
+    task.write_text(task.read_text().replace("upper = [1.0, 1.0]", "upper = [0.0, 1.0]"))
+
+
+@pytest.mark.parametrize("edit", [refuse_task, damage_task, lose_image])
+def test_a_task_that_is_refused_now_is_a_difference_and_hides_no_other(recorded, edit) -> None:
     (recorded / "tasks" / "second.toml").write_text(
         (recorded / "tasks" / "empty.toml").read_text().replace('"empty"', '"second"')
     )
     assert run_command("generate", "tasks/second.toml", "--record", "generated", cwd=recorded).returncode == 0
-    task = recorded / "tasks" / "empty.toml"
-    task.write_text(task.read_text().replace("upper = [1.0, 1.0]", "upper = [0.0, 1.0]"))
+    edit(recorded)
     path = recorded / "generated" / "second" / "refined" / "float" / "second.c"
     path.write_bytes(path.read_bytes() + b"\n")
     result = run_command("check", cwd=recorded)
@@ -620,3 +655,13 @@ def test_a_task_that_is_refused_now_is_a_difference_and_hides_no_other(recorded)
     assert f"{FOLDER}: is not made any more: " in result.stdout
     assert f"{FOLDER}: since it was recorded: {TASK_CHANGED}" in result.stdout
     assert "second/refined/float: since it was recorded: second.c edited" in result.stdout
+
+
+def test_files_beside_what_is_recorded_are_not_read_beyond_their_bounds(recorded) -> None:
+    """A sparse file of a terabyte, and a task that would cost the parser minutes."""
+    with (recorded / "generated" / FOLDER / "empty.c").open("r+b") as file:
+        file.truncate(10**12)
+    (recorded / "tasks" / "bomb.toml").write_text("a." * 30_000 + "b = 1")
+    result = run_command("check", cwd=recorded)
+    assert f"{FOLDER}: since it was recorded: empty.c edited" in result.stdout
+    assert "note: tasks/bomb.toml was never recorded" in result.stdout

@@ -137,6 +137,19 @@ def test_a_writer_that_does_not_end_is_waited_for_and_then_one_message(kind: str
     assert [path.name for path in tmp_path.iterdir()] == ["cart.c"]
 
 
+def test_folders_are_locked_in_one_order_whatever_links_lead_to_them(tmp_path: Path, monkeypatch) -> None:
+    first, second = tmp_path / "first", tmp_path / "second"
+    for folder, link in ((first, "y"), (second, "x")):
+        folder.mkdir()
+        (tmp_path / link).symlink_to(folder)
+    order: list[Path] = []
+    monkeypatch.setattr(locks, "_lock", lambda folder, _: order.append(folder.resolve()) or (lambda: None))
+    for folders in ([first, second], [tmp_path / "x", tmp_path / "y"], [tmp_path / "x", first]):
+        order.clear()
+        with locked(folders):
+            assert order == [first, second]
+
+
 def test_what_is_no_file_is_not_replaced(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "a.c")
     (tmp_path / "b.c").mkdir()

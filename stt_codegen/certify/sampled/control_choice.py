@@ -121,7 +121,7 @@ def _with_gain(task: Task, design: RefinedDesign, errors: ArithmeticErrors, rese
     path_loop = path_loop.with_period(task.sampling_period * PERIOD_WITH_MARGIN)
     loop = loop_of(task, design, *errors)
     if not task.has_automatic_gain:
-        return _judged(task, loop, path_loop, reserve)
+        return _judge_control(task, loop, path_loop, reserve)
     gentle = choose_path_gain(path_loop, disturbances(task), task.resting_error, reserve)
     if task.control.gain != "tight" and gentle is not None:
         return ControlChoice(task.with_choices(gain=gentle.gain), gentle.reserve, is_proved=True)
@@ -129,10 +129,10 @@ def _with_gain(task: Task, design: RefinedDesign, errors: ArithmeticErrors, rese
     if gain is None:
         return ControlChoice(task, Fraction(0), is_proved=False)
     tight_loop = loop.with_law(gain=np.array([float(k) for k in gain]))
-    return _judged(task.with_choices(gain=gain), tight_loop, with_gain(path_loop, gain), reserve)
+    return _judge_control(task.with_choices(gain=gain), tight_loop, with_gain(path_loop, gain), reserve)
 
 
-def _judged(task: Task, loop: SampledLoop, path_loop: PathLoop, reserve: Fraction) -> ControlChoice:
+def _judge_control(task: Task, loop: SampledLoop, path_loop: PathLoop, reserve: Fraction) -> ControlChoice:
     """Return the choice of the task's own limit and gain, which both loops have."""
     proved_reserve = reserve_of_gain(path_loop, disturbances(task), reserve)
     is_proved = proved_reserve is not None

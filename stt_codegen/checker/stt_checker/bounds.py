@@ -6,7 +6,7 @@ from pathlib import Path
 from .exact import Unusable
 
 TASK_BYTES, SOURCE_BYTES, CERTIFICATE_BYTES, BESIDE_BYTES = 4_000_000, 4_000_000, 16_000_000, 64_000_000
-DEPTH, PARTS, WORD = 16, 16, 1000  # of lists in lists, of a key with dots, of a number or key in characters
+PARTS = 16  # of a key with dots
 STRING = re.compile(  # or a comment, or a quote that has no end and what follows it, which the parser refuses
     r"""\"{3}(?:[^"\\]++|\\.|"{1,2}+(?!"))*+"{3,5}|'{3}(?:[^']++|'{1,2}+(?!'))*+'{3,5}"""
     r"""|"(?!"")(?:[^"\\\n]++|\\[^\n])*+"|'(?!'')[^'\n]*+'|\#[^\n]*+|["'].*""", re.DOTALL,
@@ -15,7 +15,7 @@ END = r"[][{}\"'\#=,.\s]"  # of a word
 DOTTED = re.compile(rf"(?:(?<={END})|^)(?:(?!{END}).(?:(?!{END}).)*+[ \t]*+\.[ \t]*+)++", re.DOTALL)
 
 
-def read(path: Path, limit: int) -> bytes:
+def read_bounded(path: Path, limit: int) -> bytes:
     """Return the content of a file of at most so many bytes. A pipe or a device is none."""
     if path.exists() and not path.is_file():
         raise Unusable(f"{path} is no file")
@@ -27,13 +27,7 @@ def read(path: Path, limit: int) -> bytes:
 
 
 def require_bounded(text: str) -> None:
-    """Refuse a task whose parts outside of strings and comments are longer or deeper than any task's."""
-    plain, depth, deepest = STRING.sub(lambda match: "" if match[0][0] == "#" else "S", text), 0, 0
-    for bracket in re.sub(r"[^][{}]+", "", plain):
-        depth += 1 if bracket in "[{" else -1
-        deepest = max(deepest, depth)
-    longest = max(map(len, re.split(END, plain)))
-    parts = max((key.count(".") + 1 for key in DOTTED.findall(plain)), default=1)
-    for size, limit, what in ((deepest, DEPTH, "lists in lists"), (longest, WORD, "a word"), (parts, PARTS, "a dotted key")):
-        if size > limit:
-            raise Unusable(f"the task has {what} of more than {limit}")
+    """Refuse a task with a long dotted key outside of strings and comments: it costs the parser the square of its parts."""
+    plain = STRING.sub(lambda match: "" if match[0][0] == "#" else "S", text)
+    if any(key.count(".") >= PARTS for key in DOTTED.findall(plain)):
+        raise Unusable(f"the task has a dotted key of more than {PARTS} parts")

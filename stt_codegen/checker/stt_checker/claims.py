@@ -89,8 +89,8 @@ def check(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) ->
 
 def _read_limits(task: Task, control: dict[str, Any]) -> Numbers:
     """Return the limits of u that the certificate chooses, which all proofs take; the C must have them."""
-    chosen, caps, norm = fractions(control["u_max"], task.n), task.caps, task.u_norm
-    is_allowed = min(chosen) > 0 and all(a <= b for a, b in zip(chosen, caps or chosen, strict=True))
+    chosen, stated, norm = fractions(control["u_max"], task.n), task.stated_u_max, task.u_norm
+    is_allowed = min(chosen) > 0 and all(a <= b for a, b in zip(chosen, stated or chosen, strict=True))
     require(is_allowed, "the certificate's u_max is not positive, or above the task's")
     is_within = norm is None or sum(v * v for v in chosen) <= norm * norm
     require(is_within, "the certificate's u_max allows a u whose norm is above u_norm")

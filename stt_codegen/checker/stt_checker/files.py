@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from . import source
-from .bounds import BESIDE_BYTES, SOURCE_BYTES, read
+from .bounds import BESIDE_BYTES, SOURCE_BYTES, read_bounded
 from .exact import require
 from .law import Law
 from .task import Task
@@ -33,7 +33,8 @@ def check_hashes(task: Task, hashes: dict[str, str], text: bytes, folder: Path) 
     require(not unknown, f"the certificate lacks a hash or has an unknown one: {unknown}")
     require(hashes["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
     for file in {*hashes} - {"task_data"}:
-        data = text if file == f"{task.name}.c" else read(folder / file, BESIDE_BYTES) if (folder / file).exists() else None
+        path = folder / file
+        data = text if file == f"{task.name}.c" else read_bounded(path, BESIDE_BYTES) if path.exists() else None
         is_same = data is None or hashes[file] == hashlib.sha256(data).hexdigest()
         require(is_same, f"{file} is not that of the certificate (SHA-256)")
 
@@ -45,7 +46,7 @@ def check_listings(
     the C; folder: that of the files beside it; files: their names by listing."""
     has_integers = law.scalar == "fixed"
     for listing, file in files.items():
-        data = text if listing == "controller" else read(folder / file, SOURCE_BYTES)
+        data = text if listing == "controller" else read_bounded(folder / file, SOURCE_BYTES)
         wanted = source.fill(f"integer {listing}" if has_integers else listing, options, task.name, values)
         source.compare(file, data, wanted, law.scalar == "float", 53 if has_integers else law.bits)
 

@@ -46,16 +46,16 @@ def negated(f: Formula) -> Formula:
     (a, b), first, last = parts[0], negated(parts[1]), negated(parts[2])  # of f until g
     release = ("eventually", (a, a), ("until", (ZERO, b - a), last, joined("and", first, last)))
     result = joined("or", ("always", (a, b), last), ("eventually", (ZERO, a), first), release)
-    if size(result) > FORMULA_LIMIT:
+    if part_count(result) > FORMULA_LIMIT:
         raise Unusable("a formula has more negations of `until` than can be checked in good time")
     return result
 
 
-def size(f: Formula) -> int:
-    return 1 + sum(size(p) for p in f[1:] if isinstance(p, tuple) and isinstance(p[0], str))
+def part_count(f: Formula) -> int:
+    return 1 + sum(part_count(p) for p in f[1:] if isinstance(p, tuple) and isinstance(p[0], str))
 
 
-def joins(word: str) -> str:
+def binary_operator(word: str) -> str:
     """Return the operator between two formulas that a word is; an empty text for none."""
     sign = OPERATOR.get(word.lower(), "")
     return sign if sign in (*PRECEDENCE, "<->") else ""
@@ -102,14 +102,14 @@ def parse(text: Any) -> Formula:
         if level == len(PRECEDENCE):
             return unary()
         signs, f = ("->", "<->") if level == 0 else (PRECEDENCE[level],), binary(level + 1)
-        while (sign := joins(words[0])) in signs:
+        while (sign := binary_operator(words[0])) in signs:
             words.pop(0)
             if sign == "->":
                 f = joined("or", negated(f), binary(level))
             elif sign == "<->":
                 last = binary(level + 1)
                 f = joined("and", joined("or", negated(f), last), joined("or", negated(last), f))
-                if size(f) > FORMULA_LIMIT:
+                if part_count(f) > FORMULA_LIMIT:
                     raise Unusable("a formula has more <-> than can be checked in good time")
             elif sign == "until":
                 f = ("until", window(words), f, binary(level + 1))
@@ -120,8 +120,8 @@ def parse(text: Any) -> Formula:
     def unary() -> Formula:
         """Read a region, a negation, an operator of time, or what is in brackets."""
         word = words.pop(0)  # a word such as G is an operator where a formula or a window follows it, as none follows a region
-        is_followed = bool(re.match(r"[A-Za-z(\[!~]", words[0])) and not joins(words[0])
-        sign = OPERATOR.get(word.lower()) if word in WORDS or word in "!~" or is_followed else None
+        is_followed = bool(re.match(r"[A-Za-z(\[!~]", words[0])) and not binary_operator(words[0])
+        sign = OPERATOR.get(word.lower()) if word in WORDS or word in ("!", "~") or is_followed else None
         if sign == "not":
             return negated(unary())
         if sign in ("always", "eventually"):

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .bounds import CERTIFICATE_BYTES, SOURCE_BYTES, TASK_BYTES, read
+from .bounds import CERTIFICATE_BYTES, SOURCE_BYTES, TASK_BYTES, read_bounded
 from .claims import check
 from .exact import Refused, Unusable
 from .task import Task
@@ -44,7 +44,7 @@ def verdict(arguments: list[str]) -> tuple[str, int]:
             meaning.check_meaning()
             return "checker: the listings compute the tube and the law, and round no more than rounding.py and integers.py say", 0
         limits = (TASK_BYTES, SOURCE_BYTES, CERTIFICATE_BYTES)
-        data, text, proof = (read(Path(a), limit) for a, limit in zip(arguments, limits, strict=True))
+        data, text, proof = (read_bounded(Path(a), limit) for a, limit in zip(arguments, limits, strict=True))
         task, certificate = Task(data), json.loads(proof)
         if not isinstance(certificate, dict) or certificate.get("design") != "refined":
             raise Unusable("the certificate is not of a refined tube; only those can be checked here")

@@ -15,7 +15,6 @@ from .keys import KNOWN_KEYS, canonical, refuse_unknown_keys
 from .moving import Course
 from .sets import Inside, Obstacle, axes_of, box, points
 
-LIST_LIMIT = 50_000  # of unsafe sets, which are the longest list of a task
 NARROWEST_WIDTH = Fraction(1, 1 << 18)  # of a tube: the emitted law divides by the width, and takes it as it is
 
 
@@ -36,8 +35,6 @@ class Task:
         require_bounded(text)
         document = tomllib.loads(text, parse_float=decimal)
         refuse_unknown_keys(document)
-        if any(isinstance(value, list) and len(value) > LIST_LIMIT for value in document.values()):
-            raise Unusable(f"the task has a list of more than {LIST_LIMIT}")
         self.digest = hashlib.sha256(json.dumps(canonical(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
         self.document, self.name, self.t_c = document, document["name"], number(document["prescribed_time"])
         self.state = [number(v) for v in document["initial_state"]]
@@ -130,9 +127,9 @@ class Task:
         self.e_max = numbers(control.get("e_max", Decimal("0.99")), n)
         self.u_norm = number(control["u_norm"]) if "u_norm" in control else None
         limit = control.get("u_max", None if self.period is None else "auto")
-        self.caps = None if limit in (None, "auto") else numbers(limit, n)  # a norm of u may leave less
+        self.stated_u_max = None if limit in (None, "auto") else numbers(limit, n)  # a norm of u may leave less
         self.leaves_limit = limit == "auto" or self.u_norm is not None
-        self.u_max = None if self.leaves_limit else self.caps
+        self.u_max = None if self.leaves_limit else self.stated_u_max
         self.scales, self.outside = control.get("saturate", "clip") == "scale", control.get("outside", "return")
         self.differs = control.get("velocity", "measured") == "differences"
         self.shortest = None  # the least time between two samples, where v is by differences
@@ -146,14 +143,14 @@ class Task:
     def _refuse_contradictions(self, plant: dict[str, Any], control: dict[str, Any]) -> None:
         """Refuse values out of range, and combinations of which nothing is proved."""
         bounds = [v for values in self.plant.values() for v in values or []]
-        rates = [*(self.max_speed or []), *(self.max_acceleration or []), *(self.caps or []), *(self.filter or [])]
+        rates = [*(self.max_speed or []), *(self.max_acceleration or []), *(self.stated_u_max or []), *(self.filter or [])]
         gains = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or [])]
-        times = [v for v in (self.t_c, self.period, self.shortest, self.tick, self.u_norm) if v is not None]
+        positive_numbers = [v for v in (self.t_c, self.period, self.shortest, self.tick, self.u_norm) if v is not None]
         has_mission, is_equal = "mission" in self.document, self.u_max is not None and len({*self.u_max}) == 1
         is_equal &= self.gain is None or len({*self.gain}) == 1
         lists = any(isinstance(v, list) for v in plant.values())
         for is_wrong, what in (
-            (min([*times, self.share, *self.e_max, *rates, *gains]) <= 0, "a number that is not positive"),
+            (min([*positive_numbers, self.share, *self.e_max, *rates, *gains]) <= 0, "a number that is not positive"),
             (max(self.share, *self.e_max) >= 1, "a share or an e_max that is not below 1"),
             (bool(self.drive.stated) and self.period is None, "a drive where nothing is proved about it"),
             (self.leaves_limit and self.period is self.u_norm is None, "a u_max to be chosen without a period"),

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 
-def json_object(data: bytes | str) -> dict[str, Any]:
+def parse_json_object(data: bytes | str) -> dict[str, Any]:
     """Return the object that a JSON text is. Raises `ValueError` where it is none, or is nested too deeply to be read."""
     try:
         document = json.loads(data)
