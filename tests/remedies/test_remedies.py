@@ -189,7 +189,7 @@ def designed(task: Task) -> tuple[Task, pipeline.Design, pipeline.Program]:
     return chosen, design, pipeline.build_program(chosen, design)
 
 
-@pytest.mark.parametrize(("kind", "seed"), [("coupling", 13), ("input", 1), ("passage", 3), ("speed", 1), ("mission", 2)])
+@pytest.mark.parametrize(("kind", "seed"), [("coupling", 2), ("input", 1), ("passage", 3), ("speed", 1), ("mission", 2)])
 def test_every_remedy_of_a_drawn_task_is_true(kind: str, seed: int) -> None:
     """`python -m benchmarks refusals` does this for 200 tasks."""
     assert follow_remedies(parse_task(task_text(kind, seed)))
