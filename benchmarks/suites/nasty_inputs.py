@@ -489,14 +489,14 @@ def good_recording() -> Files:
     entry = {"task": "../task.toml", "inputs_sha256": "0" * 64, "options": options, "sha256": hashes}
     manifest = json.dumps({"format": 1, "tools": {}, "folders": {f"{RECORDED}/refined/float": entry}}).encode()
     tree = {f"recorded/{RECORDED}/refined/float/{n}": d for n, d in files.items() if n != "task.toml"}
-    return tree | {"task.toml": files["task.toml"], "second.toml": good_task("empty"), "recorded/MANIFEST.json": manifest}
+    return tree | {"task.toml": files["task.toml"], "empty.toml": good_task("empty"), "recorded/MANIFEST.json": manifest}
 
 
 def manifest_case(rng: random.Random) -> Case:
     """Draw a recorded folder whose manifest, C or task is wrong, or a task beside it."""
     tree = good_recording()
     part = rng.choice(
-        (*["recorded/MANIFEST.json"] * 4, f"recorded/{RECORDED}/refined/float/{RECORDED}.c", "task.toml", "second.toml")
+        (*["recorded/MANIFEST.json"] * 4, f"recorded/{RECORDED}/refined/float/{RECORDED}.c", "task.toml", "empty.toml")
     )
     family, data = rng.choice(("bomb", "bytes", "tokens", "structure", "structure")), tree[part]
     if family == "bomb":
@@ -557,7 +557,7 @@ def bombs() -> Iterator[Bomb]:
         ("certificate", f"{RECORDED}.c", source_bombs(files[f"{RECORDED}.c"]), files, certify),
         ("certificate", certify[-1], json_bombs(files[certify[-1]]), files, certify),
         ("certificate", "task.toml", task_bombs(), files, certify),
-        ("manifest", "second.toml", task_bombs(), recording, ("check", "recorded")),
+        ("manifest", "empty.toml", task_bombs(), recording, ("check", "recorded")),
     ):  # fmt: skip
         for name, make in makers.items():
             yield Bomb(kind, f"{part}: {name}", good_files, arguments, part, make)
