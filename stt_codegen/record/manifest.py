@@ -28,6 +28,7 @@ MANIFEST = "MANIFEST.json"
 MANIFEST_FORMAT = 1
 SEARCH_SECONDS = 600.0  # for the tube of a recorded task, which may have been found with a longer --effort on a quicker machine
 SIZE_LIMIT = 16_000_000  # bytes of a manifest; a folder takes about a kilobyte
+INPUT_SIZE_LIMIT = 64_000_000  # bytes of a map or its image, as occupancy.py takes them
 TOOLS = ("casadi", "highspy", "jinja2", "numpy")
 
 
@@ -88,7 +89,8 @@ def hash_of_inputs(task_file: Path) -> str:
     document = parse_toml(read_task_text(task_file))
     digest = hashlib.sha256(json.dumps(document, sort_keys=True, default=str).encode())
     for file in input_files(task_file)[1:]:
-        digest.update(hashlib.sha256(file.read_bytes()).digest())
+        content = read_input(file, INPUT_SIZE_LIMIT, "the task is read from it")
+        digest.update(hashlib.sha256(content).digest())
     return digest.hexdigest()
 
 
