@@ -104,7 +104,9 @@ def _report(error: Exception, program: str) -> int:
         text, code = str(error), error.exit_code
         say(f"{program}: {text}")
     elif isinstance(error, OSError):
-        text, code = f"the output cannot be written ({error.strerror})", 2
+        # files of a task are read and written by files/, which says which; a stream has no name
+        problem = f"{error.filename}: cannot be read or written" if error.filename else "the output cannot be written"
+        text, code = f"{problem} ({error.strerror})", 2
         say(f"{program}: {text}")
     elif isinstance(error, MemoryError):
         text, code = "the memory is not enough for this task; try a smaller one, or a machine with more", 2

@@ -18,8 +18,8 @@ from stt_codegen.design_kinds import DesignKind
 from stt_codegen.effort import DEFAULT_SECONDS, Effort
 from stt_codegen.program.targets import TARGETS
 
-TaskFile = Annotated[Path, typer.Argument(metavar="TASK", help="a task file, see tasks/")]
-TaskFiles = Annotated[list[Path], typer.Argument(metavar="TASK...", help="task files, see tasks/")]
+TaskFile = Annotated[Path, typer.Argument(readable=False, metavar="TASK", help="a task file, see tasks/")]
+TaskFiles = Annotated[list[Path], typer.Argument(readable=False, metavar="TASK...", help="task files, see tasks/")]
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
 DesignOption = Annotated[DesignKind | None, typer.Option(help="override tube.design")]
 Axes = Annotated[

@@ -76,7 +76,10 @@ def _old_contents(folder: Path, names: list[str]) -> dict[str, bytes]:
     for name in names:
         path = folder / name
         if path.is_file():
-            old[name] = path.read_bytes()
+            try:
+                old[name] = path.read_bytes()
+            except OSError as error:
+                raise BadInput(f"{path}: cannot be read ({error.strerror}), so it is not replaced; remove it") from None
         elif path.exists():
             raise BadInput(f"{path}: is no file, and is not replaced; remove it, or choose another folder")
     return old

@@ -59,14 +59,15 @@ class Difference:
 class FolderChange:
     """What changed of a folder since it was recorded.
 
-    edited, missing: files on disk. task_changed: None where the manifest has no hash of the task. makes_other_files: whether the
-    tool makes other files than the recorded ones, for whatever cause.
+    edited, missing, unreadable: files on disk. task_changed: None where the manifest has no hash of the task. makes_other_files:
+    whether the tool makes other files than the recorded ones, for whatever cause.
     """
 
     folder: str
     task: str
     edited: tuple[str, ...]
     missing: tuple[str, ...]
+    unreadable: tuple[str, ...]
     task_changed: bool | None
     makes_other_files: bool
 
@@ -79,6 +80,7 @@ class FolderChange:
         """Say in one line what changed. changed_versions: of tools, as in "numpy 1.0 -> 1.1"."""
         causes = [f"{', '.join(self.edited)} edited"] if self.edited else []
         causes += [f"{', '.join(self.missing)} missing"] if self.missing else []
+        causes += [f"{', '.join(self.unreadable)} cannot be read"] if self.unreadable else []
         if self.task_changed:
             causes.append(f"its task {self.task} changed")
         if self.tool_changed:
@@ -111,7 +113,7 @@ def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> Check
         try:
             controller = build_again(root, entry)
         except SttError as error:  # the other folders are compared all the same
-            differences.append(Difference(entry.folder, f"is not made any more: {error}"))
+            differences.append(Difference(entry.folder, f"is not made any more (--accept leaves it as it is): {error}"))
             changes.append(change_of(root, entry, {}))
             known_paths |= {f"{entry.folder}/{name}" for name in entry.sha256}
             continue
@@ -156,22 +158,24 @@ def change_of(root: Path, entry: RecordedFolder, files: Mapping[str, bytes]) -> 
     """Compare a recorded folder, its task and the files that the tool makes of it now with the hashes of the manifest."""
     on_disk = {name: root / entry.folder / name for name in entry.sha256}
     missing = tuple(name for name, path in on_disk.items() if not path.is_file())
+    hashes = {name: _sha256(path) for name, path in on_disk.items() if name not in missing}
     return FolderChange(
         folder=entry.folder,
         task=os.path.normpath(root / entry.task),
-        edited=tuple(name for name, path in on_disk.items() if name not in missing and not _has_hash(path, entry.sha256[name])),
+        edited=tuple(name for name, digest in hashes.items() if digest not in (None, entry.sha256[name])),
         missing=missing,
+        unreadable=tuple(name for name, digest in hashes.items() if digest is None),
         task_changed=_is_task_changed(root, entry),
         makes_other_files={n: hashlib.sha256(data).hexdigest() for n, data in files.items()} != entry.sha256,
     )
 
 
-def _has_hash(path: Path, digest: str) -> bool:
-    """Return whether a file on disk can be read, is within the bound, and has this SHA-256."""
+def _sha256(path: Path) -> str | None:
+    """Return the hash of a file; None where it cannot be read. A file above the bound has none, and is another one."""
     try:
-        return hashlib.sha256(read_input(path, SIZE_LIMIT, "")).hexdigest() == digest
+        return hashlib.sha256(read_input(path, SIZE_LIMIT, "")).hexdigest()
     except BadInput:
-        return False
+        return "" if path.stat().st_size > SIZE_LIMIT else None
 
 
 def _is_task_changed(root: Path, entry: RecordedFolder) -> bool | None:
@@ -199,26 +203,38 @@ def _is_task(path: Path) -> bool:
 
 
 class AcceptedFolders(NamedTuple):
-    """How many folders were written, and how many were removed because their task file is gone."""
+    """How many folders were written and removed (their task file is gone), and why each other one is as it was."""
 
     written: int
     removed: int
+    refusals: tuple[SttError, ...]
 
 
 def accept(root: Path, progress: Callable[[str], None] = lambda _: None) -> AcceptedFolders:
-    """Write every recorded folder as the tool builds it now, and the manifest; remove folders whose task is gone or renamed."""
-    controllers = []
+    """Write every recorded folder as the tool builds it now, and the manifest; remove folders whose task is gone or renamed.
+
+    The folder of a task that is refused stays as it is, with its entry in the manifest.
+    """
+    controllers, refusals = list[tuple[RecordedFolder, EmittedController | None]](), list[SttError]()
     for entry in read_manifest(root):
         progress(entry.folder)
-        controllers.append((entry, build_again(root, entry)))
+        try:
+            controllers.append((entry, build_again(root, entry)))
+        except SttError as error:
+            refusals.append(error)
     for entry, controller in controllers:
         if controller is None or folder_of(controller) != entry.folder:
             remove_folder(root, entry.folder)
+    written = 0
     for entry, controller in controllers:
         if controller is not None:
-            record(root, root / entry.task, controller, entry.uncertified)
-    written = sum(controller is not None for _, controller in controllers)
-    return AcceptedFolders(written, len(controllers) - written)
+            try:
+                record(root, root / entry.task, controller, entry.uncertified)
+                written += 1
+            except SttError as error:
+                refusals.append(error)
+    gone = sum(controller is None for _, controller in controllers)
+    return AcceptedFolders(written, gone, tuple(refusals))
 
 
 def changed_tools(root: Path) -> list[str]:
@@ -239,7 +255,10 @@ def _compare_file(root: Path, path: str, expected: bytes) -> list[Difference]:
         return [Difference(path, "is missing")]
     if file.stat().st_size > len(expected) + SIZE_MARGIN:
         return [Difference(path, f"differs, and is {file.stat().st_size:,} bytes long instead of {len(expected):,}")]
-    actual = file.read_bytes()
+    try:
+        actual = file.read_bytes()
+    except OSError as error:
+        return [Difference(path, f"cannot be read ({error.strerror}); give yourself the right to, or delete it")]
     if actual == expected:
         return []
     old, new = actual.decode(errors="replace"), expected.decode()

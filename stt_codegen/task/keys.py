@@ -20,6 +20,7 @@ MAP_KEYS = ("file", "axes", "as", "free")  # of [map], which load.py reads
 TOP = "above the first table"
 # Shares of equal letters, as difflib counts them, from which on a known key counts as the one that was meant.
 SIMILARITY_IN_TABLE, SIMILARITY_ELSEWHERE = 0.6, 0.75
+SHORT_KEY = 4  # letters: such a key is a misspelt one that has at most one letter more or fewer
 
 
 class TableOfKeys(NamedTuple):
@@ -85,7 +86,9 @@ def similar_key(key: str, known_keys: Sequence[str]) -> SimilarKey | None:
 
 @lru_cache(1 << 14)  # all pairs of known keys; those of a task have no end
 def _similarity(key: str, known_key: str) -> float:
-    """Return the share of equal letters of two keys."""
+    """Return the share of equal letters of two keys; 0 for a short one whose letters are just a part of a longer one."""
+    if len(key) <= SHORT_KEY and abs(len(key) - len(known_key)) > 1:
+        return 0.0
     return difflib.SequenceMatcher(None, known_key, key.lower().replace("-", "_")).ratio()
 
 

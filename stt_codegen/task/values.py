@@ -18,6 +18,7 @@ from stt_codegen.arrays import is_array, real_array, rows_of
 from stt_codegen.decimals import decimal
 
 MAX_DIMENSION = 64
+NEEDS_NUMBER = "a number is needed, for example 1.0"
 MAX_NAME = 20
 ADD_IT = "add it (docs/task.md has an example of every field)"
 MAX_LABEL = 40
@@ -55,11 +56,11 @@ def _number(value: object, info: ValidationInfo, power: int = 9) -> Fraction:
     are decimals, and decimals as text are taken too. Raises `ValueError` with the reason.
     """
     if isinstance(value, bool) or type(value).__name__ == "bool":
-        raise ValueError(f"is the boolean {str(value).lower()}; a number is needed, for example 1.0")
+        raise ValueError(f"is the boolean {str(value).lower()}; {NEEDS_NUMBER}")
     if not (info.context and info.context.get(FILE)):
         value = _from_python(value)
     if not isinstance(value, int | Decimal):
-        raise ValueError(f"is {kind_of(value)}; a number is needed, for example 1.0")
+        raise ValueError(f"is {kind_of(value)}; {NEEDS_NUMBER}")
     if isinstance(value, Decimal):
         if not value.is_finite():
             raise ValueError(f"is {value}; a finite number is needed")
@@ -70,7 +71,7 @@ def _number(value: object, info: ValidationInfo, power: int = 9) -> Fraction:
             )
     exact = Fraction(value)
     if exact and not Fraction(1, 10**power) <= abs(exact) <= 10**power:
-        raise ValueError(f"is out of range; use 0 or a magnitude from 1e-{power} to 1e{power} (rescale the units)")
+        raise ValueError(f"is {kind_of(value)}; use 0 or a magnitude from 1e-{power} to 1e{power} (rescale the units)")
     return exact
 
 
@@ -84,7 +85,7 @@ def _from_python(value: object) -> object:
     if is_array(value) and not isinstance(value, str):
         array = real_array(value)
         if array.shape:
-            raise ValueError(f"is an array of shape {array.shape}; a number is needed, for example 1.0")
+            raise ValueError(f"is an array of shape {array.shape}; {NEEDS_NUMBER}")
         value = str(array)  # a NumPy number also means its shortest decimal
     elif isinstance(value, float):
         value = str(value)

@@ -17,6 +17,7 @@ from tests.support.command_line import CommandResult, run_command
 from tests.support.controllers import ROOT, build_once
 
 TASK = str(ROOT / "tasks" / "omni_s1.toml")
+CODE = str(ROOT / "generated" / "omni_s2" / "refined" / "float" / "omni_s2.c")
 
 
 def test_help_imports_no_heavy_package() -> None:
@@ -84,7 +85,8 @@ def test_an_unknown_option_is_exit_code_2() -> None:
         (("desing",), "desing"),
         (("simulate", TASK, "--w-max", "-1"), "--w-max"),
         (("certify", TASK, "nowhere.c", "nowhere.json"), "nowhere.c cannot be read"),
-        (("certify", TASK, TASK, TASK), "a file is not of the form that is read here"),
+        (("certify", TASK, TASK, TASK), f"{TASK} is not of the form that is read here (JSONDecodeError"),
+        (("certify", CODE, CODE, CODE), f"{CODE} is not of the form that is read here (TOMLDecodeError"),
         (("simulate", TASK, "--design", "literal"), TASK),
         (("design", TASK, "--design", "literal"), TASK),
         (("check", "nowhere"), "nowhere"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from typing import get_type_hints
 
 import pytest
 
@@ -27,3 +28,11 @@ def test_every_file_of_a_command_is_listed() -> None:
     for commands, folder in ((DESIGNS, "design_commands"), (CHECKS, "check_commands")):
         files = {path.stem for path in (ROOT / "stt_codegen" / "cli" / folder).glob("[!_]*.py")}
         assert {"maps" if command.__name__ == "map_" else command.__name__ for command in commands} == files
+
+
+@pytest.mark.parametrize("command", [*DESIGNS, *CHECKS], ids=lambda command: command.__name__.rstrip("_"))
+def test_what_reads_a_path_says_that_it_cannot_be_read_not_typer(command) -> None:
+    """Typer's message would be one about a value, in another style, and only for paths that exist."""
+    for name, hint in get_type_hints(command, include_extras=True).items():
+        if "Path" in str(hint):
+            assert [info.readable for info in hint.__metadata__ if hasattr(info, "readable")] == [False], name

@@ -270,6 +270,37 @@ def test_a_task_that_is_gone_is_noticed_and_accept_drops_its_folder(recorded) ->
     assert run_command("check", cwd=recorded).returncode == 0
 
 
+@pytest.mark.parametrize(
+    ("change", "code", "message"),
+    [
+        (("[initial_set]", "[initial_set]\nu_nrom = 3"), 2, "u_nrom: unknown key"),
+        (("max_speed = 9", "max_speed = 0.1"), 3, "tube.max_speed = 0.1"),
+    ],
+    ids=["typo", "uncertifiable"],
+)
+def test_what_can_be_accepted_is_beside_a_task_that_is_refused(
+    recorded, change: tuple[str, str], code: int, message: str
+) -> None:
+    text = (recorded / "tasks" / "empty.toml").read_text().replace('name = "empty"', 'name = "second"')
+    second = recorded / "tasks" / "second.toml"
+    second.write_text(text + "\n[tube]\nmax_speed = 9\n")
+    assert run_command("generate", "tasks/second.toml", "--record", "generated", cwd=recorded).returncode == 0
+    header = recorded / "generated" / "empty" / "refined" / "float" / "empty.h"
+    content = header.read_bytes()
+    header.unlink()
+    assert change[0] in second.read_text()
+    second.write_text(second.read_text().replace(*change))
+    assert run_command("check", cwd=recorded).returncode == 1
+    accepted = run_command("check", "--accept", cwd=recorded)
+    assert accepted.returncode == code
+    assert message in accepted.stderr
+    assert "1 folder written" in accepted.stdout
+    assert "1 not written (refused)" in accepted.stdout
+    assert header.read_bytes() == content
+    document = json.loads(run_command("check", "--accept", "--json", cwd=recorded).stdout)
+    assert (document["written"], [refusal["exit_code"] for refusal in document["refused"]]) == (1, [code])
+
+
 def test_another_task_file_cannot_take_over_a_recorded_name(recorded) -> None:
     text = (recorded / "tasks" / "empty.toml").read_text()
     (recorded / "tasks" / "other.toml").write_text(text.replace('name = "empty"', 'name = "Empty"'))

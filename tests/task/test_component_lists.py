@@ -44,8 +44,11 @@ BAD_LISTS = [
     ("[0.1, nan]", r"\[1\]: is NaN; a finite number is needed"),
     ("[]", "is an empty list"),
     ("[[0.1, 0.1], [0.1, 0.1]]", r"\[0\]: is a list; a number is needed"),
-    ('"auto"', "is the text 'auto'"),
-    ("{ x = 0.1 }", "is a table"),
+    ('"auto"', "is the text 'auto'; a number is needed, or a list with one for each dimension"),
+    ("{ x = 0.1 }", "is a table; a number is needed, or a list with one for each dimension"),
+    ("true", "is the boolean true; a number is needed, or a list with one for each dimension"),
+    ("1e-10", r"is the number 1E-10; use 0 or a magnitude from 1e-9 to 1e9"),
+    ("[0.1, 20000000000]", r"\[1\]: is the number 20000000000; use 0 or a magnitude"),
 ]
 
 

@@ -3,10 +3,13 @@ another, which no search can have at one moment."""
 
 from __future__ import annotations
 
+import ast
 import math
+import random
 import re
 import time
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
 import pytest
@@ -18,6 +21,8 @@ from stt_codegen.design.refusals.regions_at_once import excluded_regions
 from stt_codegen.task import parse_task
 from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until, conjunction
 from stt_codegen.task.mission.grammar import parse_formula
+from stt_codegen.task.mission.unread_text import UNREAD_BINARY, UNREAD_PREFIXES
+from tests.benchmarks.test_peers import needs
 
 PLAIN = [
     "always[0, 16] (dock -> eventually[0, 4] left)",
@@ -29,7 +34,7 @@ PLAIN = [
 
 
 def words(changes: dict[str, str]) -> Callable[[str], str]:
-    """Return a function that writes these words in place of the plain ones."""
+    """Return a function that writes these words in context of the plain ones."""
     return lambda text: re.sub(r"[a-z]+|->", lambda word: changes.get(word.group(), word.group()), text)
 
 
@@ -76,6 +81,13 @@ def test_regions_may_have_the_names_of_operators() -> None:
     ("text", "reason"),
     [
         ("x + y <= 3", r"'\+ y <= 3' at character 3 compares numbers, .*normals = \[\[1, 1\]\] and offsets = \[3\]"),
+        ("out = always[0:8] (not B)", "begins with 'out =', and a formula has no name here; leave `out =` out"),
+        ("out = A -> B", "leave `out =` out"),
+        ("out = always (x <= 3)", "leave `out =` out"),
+        ("s = x + 3", "compares numbers"),
+        ("always[0:8] not B;", "has ';' at character 18; leave it out"),
+        ("A; B", "has ';' at character 2; use an entry for each formula"),
+        ("F[0,1min] A", "has the unit 'min' at character 6; units are s, ms, us, ns"),
         ("always (abs(x) < 1)", "compares numbers, and a formula is about regions"),
         ("A == 1", "compares numbers"),
         ("2*x >= 1", "compares numbers"),
@@ -84,6 +96,8 @@ def test_regions_may_have_the_names_of_operators() -> None:
         ("A release B", r"write not \(not f until not g\)"),
         ("A R B", r"write not \(not f until not g\)"),
         ("A W B", r"write \(f until g\) or always f"),
+        ("A unless B", r"for `f unless g` write \(f until g\) or always f"),
+        ("rise(A)", r"`always \(A -> f\)` asks for f there too"),
         ("A xor B", r"write \(f and not g\) or \(not f and g\)"),
         ("once[0, 3] A", "is about the past"),
         ("A since B", "is about the past"),
@@ -102,7 +116,102 @@ def test_the_advised_form_of_release_and_xor_is_read() -> None:
         parse_formula(text)
 
 
-@pytest.mark.parametrize("text", [" <-> ".join("AB" * 40), "not (A until " * 20 + "B" + ")" * 20])
+@pytest.mark.parametrize("context", ["{}", "({})", "G[0, 8] ({})", "A and {}", "(A -> {}) and B", "not {}", "A until[0, 3] {}"])
+def test_an_unread_operator_gets_its_help_wherever_it_stands(context: str) -> None:
+    for word, advice in UNREAD_BINARY.items():
+        with pytest.raises(ValueError, match=re.escape(f"{word!r} at character {context.index('{') + 3} {advice}")):
+            parse_formula(context.format(f"A {word} B"))
+    for word, advice in UNREAD_PREFIXES.items():
+        with pytest.raises(ValueError, match=re.escape(f"{word!r} at character {context.index('{') + 1} {advice}")):
+            parse_formula(context.format(f"{word}(A)"))
+
+
+@pytest.mark.parametrize(
+    "context", ["{}", "always ({})", "A and {}", "not {} or B", "G {}", "A U {}", "{} -> B", "out_1 until[0, 3] {}"]
+)
+@pytest.mark.parametrize(
+    "comparison",
+    ["x <= 3", "x + y <= 3", "z1 >= 0.5", "2*x - 3 y + 1 > 4", "x <= y", "-x + 2 < 3*y - x", "3 >= 0.25 * x", "x-y>1"],
+)
+def test_the_region_that_is_advised_for_a_comparison_is_where_it_holds(comparison: str, context: str) -> None:
+    with pytest.raises(ValueError, match="compares numbers") as refusal:
+        parse_formula(context.format(comparison))
+    lines = re.search(r"axes = (\[.*\]), normals = \[(\[.*\])\] and offsets = \[(.*)\] for (.*), and", str(refusal.value))
+    assert lines is not None
+    assert lines[4] == comparison
+    axes, normal, offset = map(ast.literal_eval, lines.groups()[:3])
+    for point in product((-7.31, -0.43, 0.97, 2.71, 11.13), repeat=3):
+        values = dict(zip(("x", "y", "z1"), point, strict=True))
+        holds = eval(comparison.replace("3 y", "3*y"), {}, values)
+        assert holds == (sum(c * values[axis] for axis, c in zip(axes, normal, strict=True)) <= offset)
+
+
+CHAINS = {
+    "A implies B implies C": ("(A implies B) implies C", "A implies (B implies C)"),
+    "A -> B -> C -> D": ("((A -> B) -> C) -> D", "A -> (B -> (C -> D))"),
+    "A iff B => not C": ("(A iff B) => not C", "A iff (B => not C)"),
+    "A <-> B <-> C": ("(A <-> B) <-> C", "A <-> (B <-> C)"),
+    "A until[0, 3] B U[1:2] C": ("(A until[0, 3] B) U[1:2] C", "A until[0, 3] (B U[1:2] C)"),
+    "A or B implies always (C and D) implies D": (
+        "(A or B implies always (C and D)) implies D",
+        "A or B implies (always (C and D) implies D)",
+    ),
+}
+
+
+@pytest.mark.parametrize("context", ["{}", "always[0, 8] ({})", "D and ({})", "not ({}) -> D"])
+@pytest.mark.parametrize("chain", CHAINS)
+def test_a_chain_that_tools_read_in_different_ways_is_refused_with_both_readings(chain: str, context: str) -> None:
+    from_left, from_right = CHAINS[chain]
+    assert parse_formula(from_left) != parse_formula(from_right)
+    with pytest.raises(ValueError, match=re.escape(f"write {from_left} or {from_right}")):
+        parse_formula(context.format(chain))
+    with pytest.raises(Unusable, match="a formula needs brackets") as refusal:
+        checker_formula.parse(context.format(chain))
+    if chain.count("->") < 3:  # the checker shows the first three operands
+        assert f"{from_left},or{from_right}".replace(" ", "") in str(refusal.value).replace(" ", "")
+
+
+OPERATORS = (" and ", " or ", " implies ", " iff ", " until[0:3] ")
+RTAMT_NODES = {"Conjunction": "and", "Disjunction": "or", "Implies": "->", "Iff": "<->", "TimedUntil": "until[0:3]"}
+RTAMT_PREFIXES = {"Neg": "not", "TimedAlways": "always[0:3]", "TimedEventually": "eventually[0:3]"}
+
+
+def bracketed(node: Any) -> str:
+    """Return a formula as rtamt has read it, with all brackets."""
+    kind, parts = type(node).__name__, node.children
+    if kind in RTAMT_PREFIXES:
+        return f"({RTAMT_PREFIXES[kind]} {bracketed(parts[0])})"
+    return f"({bracketed(parts[0])} {RTAMT_NODES[kind]} {bracketed(parts[1])})" if parts else str(node.var)
+
+
+def test_a_formula_without_brackets_is_refused_or_means_what_rtamt_reads(caplog: pytest.LogCaptureFixture) -> None:
+    needs("rtamt")
+    import rtamt
+
+    draw, refused = random.Random(54), 0
+    caplog.set_level("CRITICAL")
+    for _ in range(150):
+        operands = [draw.choice(("", "", "not ", "always[0:3] ", "eventually[0:3] ")) + name for name in "ABCD"]
+        text = operands[0] + "".join(draw.choice(OPERATORS) + operand for operand in operands[1 : draw.randint(2, 4)])
+        spec = rtamt.StlDenseTimeSpecification()
+        for name in "ABCD":
+            spec.declare_var(name, "float")
+        spec.spec = f"out = {text}"
+        spec.parse()
+        try:
+            formula = parse_formula(text)
+        except ValueError:
+            refused += 1
+            with pytest.raises(Unusable):
+                checker_formula.parse(text)
+            continue
+        assert formula == parse_formula(bracketed(spec.ast.specs[-1])), text
+        assert checker_formula.parse(text) == canonical(formula)
+    assert 20 <= refused <= 75
+
+
+@pytest.mark.parametrize("text", ["(A <-> " * 39 + "B" + ")" * 39, "not (A until " * 20 + "B" + ")" * 20])
 def test_a_formula_that_doubles_without_end_is_refused_at_once(text: str) -> None:
     begin = time.perf_counter()
     with pytest.raises(ValueError, match="use several entries"):
@@ -191,10 +300,10 @@ AS_NAMES = ["G and F", "eventually G", "F until (X and R)", "F U U", "G (U or G)
 
 @pytest.mark.parametrize("text", [*PLAIN, *(write(text) for text in PLAIN for write in DIALECTS.values()), *AS_NAMES])
 def test_the_checker_reads_the_same_formula(text: str) -> None:
-    for written in (text, f"{text} <-> dock", f"eventually[2, inf) dock iff ({text})"):
+    for written in (text, f"({text}) <-> dock", f"eventually[2, inf) dock iff ({text})"):
         assert checker_formula.parse(written) == canonical(parse_formula(written))
 
 
 def test_the_checker_refuses_a_formula_that_doubles_without_end() -> None:
     with pytest.raises(Unusable, match="in good time"):
-        checker_formula.parse(" <-> ".join("AB" * 40))
+        checker_formula.parse("(A <-> " * 39 + "B" + ")" * 39)

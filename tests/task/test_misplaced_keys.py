@@ -104,8 +104,19 @@ def test_a_task_has_no_name_that_windows_keeps_from_files(name: str) -> None:
         ("[control]", "Clearance = 0.1\n", "control.Clearance: unknown key; did you mean 'clearance', in [tube]?"),
         (TOP, "max-speed = 1\n", "'max-speed': unknown key; did you mean 'max_speed', in [tube]?"),
         ("[map]", 'fil = "hall.yaml"\n', "map.fil: unknown key; did you mean 'file'?"),
+        ("[tube]", "fliter = 1\n", "tube.fliter: unknown key; did you mean 'filter'?"),
+        ("[plant]", "wmax = 1\n", "plant.wmax: unknown key; did you mean 'w_max'?"),
         ("[map]", "resolution = 0.05\n", "map.resolution: unknown key; known keys here are file, axes, as, free"),
     ],
 )
 def test_the_nearest_key_may_be_of_another_table(heading: str, line: str, answer: str) -> None:
     assert refusal_of(with_line(heading, line)).endswith(answer)
+
+
+@pytest.mark.parametrize("key", ["min", "max", "low", "top", "v", "pos", "rad", "tick", "norm"])
+def test_a_short_key_is_not_called_a_misspelt_longer_one(key: str) -> None:
+    """`min` has all its letters in `g_min`, and `motion` has them in order."""
+    for heading in (heading for heading in TABLES if heading not in WITHIN):
+        message = refusal_of(with_line(heading, f"{key} = 3\n"))
+        suggestion = message.partition("did you mean '")[2].partition("'")[0]
+        assert not suggestion or abs(len(suggestion) - len(key)) <= 1, message

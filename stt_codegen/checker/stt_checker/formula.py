@@ -91,6 +91,11 @@ def window(words: list[str]) -> Interval:
     return begin, end
 
 
+def spelled(start: list[str], words: list[str]) -> str:
+    """Return the words that were read since `start`."""
+    return " ".join(start[: len(start) - len(words)])
+
+
 def parse(text: Any) -> Formula:
     """Read a formula by recursive descent."""
     if not isinstance(text, str):
@@ -98,23 +103,32 @@ def parse(text: Any) -> Formula:
     words = [*re.findall(TOKEN, text), ""]
 
     def binary(level: int) -> Formula:
-        """Read formulas that are joined by an operator of this level or a later one of PRECEDENCE."""
+        """Read formulas that are joined by an operator of this level or a later one of PRECEDENCE. Tools differ about a chain of
+        ->, <-> or until without brackets, so it is refused."""
         if level == len(PRECEDENCE):
             return unary()
-        signs, f = ("->", "<->") if level == 0 else (PRECEDENCE[level],), binary(level + 1)
+        signs, start, f = ("->", "<->") if level == 0 else (PRECEDENCE[level],), words[:], binary(level + 1)
+        chain = [spelled(start, words)]  # of operands, and the operators between them
         while (sign := binary_operator(words[0])) in signs:
+            start = words[:]
             words.pop(0)
-            if sign == "->":
-                f = joined("or", negated(f), binary(level))
-            elif sign == "<->":
-                last = binary(level + 1)
+            over = window(words) if sign == "until" else (ZERO, ZERO)
+            chain.append(spelled(start, words))
+            start, last = words[:], binary(level + 1)
+            chain.append(spelled(start, words))
+            if sign in ("and", "or"):
+                f = joined(sign, f, last)
+            elif len(chain) > 3:
+                a, first, b, second, c = chain
+                raise Unusable(f"a formula needs brackets: ({a} {first} {b}) {second} {c}, or {a} {first} ({b} {second} {c})")
+            elif sign == "until":
+                f = ("until", over, f, last)
+            elif sign == "->":
+                f = joined("or", negated(f), last)
+            else:
                 f = joined("and", joined("or", negated(f), last), joined("or", negated(last), f))
                 if part_count(f) > FORMULA_LIMIT:
                     raise Unusable("a formula has more <-> than can be checked in good time")
-            elif sign == "until":
-                f = ("until", window(words), f, binary(level + 1))
-            else:
-                f = joined(sign, f, binary(level + 1))
         return f
 
     def unary() -> Formula:

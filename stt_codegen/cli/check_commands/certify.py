@@ -12,8 +12,8 @@ from stt_codegen.cli.options import Json, TaskFile, patience, print_json
 
 def certify(
     task: TaskFile,
-    source: Annotated[Path, typer.Argument(metavar="FILE.c", help="the emitted C file")],
-    certificate: Annotated[Path, typer.Argument(metavar="CERTIFICATE", help="its .certificate.json")],
+    source: Annotated[Path, typer.Argument(readable=False, metavar="FILE.c", help="the emitted C file")],
+    certificate: Annotated[Path, typer.Argument(readable=False, metavar="CERTIFICATE", help="its .certificate.json")],
     json: Json = False,
 ) -> None:
     """Repeat the proof of a refined tube from the C file alone, by the stand-alone checker. Exit code 1 when it fails."""

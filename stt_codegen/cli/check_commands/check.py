@@ -12,11 +12,15 @@ from stt_codegen.cli.options import Json, counted, print_json, print_line, say
 
 
 def check(
-    folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="the folder of MANIFEST.json")] = Path("generated"),
+    folder: Annotated[Path, typer.Argument(readable=False, metavar="[DIR]", help="the folder of MANIFEST.json")] = Path(
+        "generated"
+    ),
     accept: Annotated[bool, typer.Option("--accept", help="write what the tool makes now, instead of comparing")] = False,
     json: Json = False,
 ) -> None:
     """Build every recorded controller again and compare with the files on disk, both ways. Exit code 1 on any difference.
+
+    --accept leaves the folder of a task that is refused as it is; the exit code is then that of the first refusal.
 
     By hashes it says of each folder that differs whether task, files or tool changed, and it names tasks that were never
     recorded.
@@ -25,16 +29,27 @@ def check(
 
     progress = (lambda name: say(f"  {name}")) if sys.stderr.isatty() else (lambda _: None)
     if accept:
-        written, dropped = checks.accept(folder, progress)
-        note = f", {dropped} dropped (their task files are gone)" if dropped else ""
-        print_json({"written": written, "dropped": dropped}) if json else print_line(
-            f"{folder}: {counted(written, 'folder')} written{note}"
-        )
+        _accept(folder, checks.accept(folder, progress), json)
         return
     result, tools = checks.check(folder, progress), checks.changed_tools(folder)
     print_json(_document(result, tools)) if json else _show(folder, result, tools)
     if result.differences:
         raise typer.Exit(1)
+
+
+def _accept(folder: Path, accepted: Any, json: bool) -> None:
+    """Print what was accepted and which folders stay as they are; then leave with the exit code of the first refusal."""
+    refusals = [{"error": str(error), "exit_code": error.exit_code} for error in accepted.refusals]
+    if json:
+        print_json({"written": accepted.written, "dropped": accepted.removed, "refused": refusals})
+    else:
+        note = f", {accepted.removed} dropped (their task files are gone)" if accepted.removed else ""
+        note += f", {len(refusals)} not written (refused)" if refusals else ""
+        print_line(f"{folder}: {counted(accepted.written, 'folder')} written{note}")
+    for error in accepted.refusals:
+        say(f"stt-codegen: {error}")
+    if refusals:
+        raise typer.Exit(accepted.refusals[0].exit_code)
 
 
 def _document(result: Any, tools: list[str]) -> dict[str, Any]:
@@ -50,6 +65,7 @@ def _document(result: Any, tools: list[str]) -> dict[str, Any]:
                 "tool_changed": c.tool_changed,
                 "edited": list(c.edited),
                 "missing": list(c.missing),
+                "unreadable": list(c.unreadable),
             }
             for c in result.changes
         ],

@@ -11,7 +11,9 @@ from stt_codegen.cli.options import Json, patience, print_json
 
 
 def lag(
-    step: Annotated[Path, typer.Argument(metavar="STEP.csv", help="a row for every sample: time in s, command, response")],
+    step: Annotated[
+        Path, typer.Argument(readable=False, metavar="STEP.csv", help="a row for every sample: time in s, command, response")
+    ],
     latency: Annotated[
         float | None, typer.Option(min=0, help="seconds of dead time, where you know it (default: what needs the least lag)")
     ] = None,

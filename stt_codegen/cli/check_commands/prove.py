@@ -23,14 +23,18 @@ from stt_codegen.cli.options import (
 )
 from stt_codegen.errors import BadInput
 
+SIZE_LIMIT = 16_000_000  # bytes of a file that is compared
 BOOK = Path("generated/lemmas.md")  # where a repository keeps the book
 
 
 def prove(
-    task: Annotated[Path | None, typer.Argument(metavar="[TASK]", help="a task file; without one, the lemma book")] = None,
+    task: Annotated[
+        Path | None, typer.Argument(readable=False, metavar="[TASK]", help="a task file; without one, the lemma book")
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
+            readable=False,
             metavar="PATH",
             help="the book's page, .md or .tex (default: generated/lemmas.md); with TASK, the folder of <name>.bounds.json",
         ),
@@ -75,7 +79,7 @@ def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
     entries = prove_all(lambda title: say(f"  {title}"), fresh)
     text = page(entries, out.suffix).encode()
     still_open = [e for e in entries if e.verdict is Verdict.OPEN]
-    differs = check and (not out.is_file() or out.read_bytes() != text)
+    differs = check and _content(out) != text
     if not check:
         write_files(out.parent, {out.name: text})
     if json:
@@ -91,6 +95,13 @@ def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
             print(f"open: {e.lemma.name}: {'; '.join(e.outcome.evidence)}")
         print_line(f"{out}: {_file_state(out, check, differs)}")
     return not still_open and not differs
+
+
+def _content(path: Path) -> bytes | None:
+    """Return what a written file has; None where there is none."""
+    from stt_codegen.files import read_input
+
+    return read_input(path, SIZE_LIMIT, "give another --out") if path.is_file() else None
 
 
 def _file_state(path: Path, check: bool, differs: bool) -> str:
@@ -118,7 +129,7 @@ def _prove_task(
     name = f"{task.name}.bounds.json"
     text = (_json.dumps(report.document(), indent=2) + "\n").encode()
     path = folder / name
-    differs = check and (not path.is_file() or path.read_bytes() != text)
+    differs = check and _content(path) != text
     if not check:
         write_files(folder, {name: text})
     if as_json:

@@ -12,7 +12,9 @@ from stt_codegen.cli.options import Json, TaskFile, patience, print_json, say
 
 def theorem(
     task: TaskFile,
-    source: Annotated[Path, typer.Argument(metavar="FILE.c", help="the emitted C file; its certificate lies beside it")],
+    source: Annotated[
+        Path, typer.Argument(readable=False, metavar="FILE.c", help="the emitted C file; its certificate lies beside it")
+    ],
     json: Json = False,
 ) -> None:
     """Write the theorems of a refined tube from task, header, C and certificate, and ask coqc whether they hold. Exit code

@@ -28,7 +28,8 @@ def design(
     design: DesignOption = None,
     scalar: ScalarOption = None,
     picture: Annotated[
-        Path | None, typer.Option(metavar="PATH", help="folder for <name>.png, or a file .png, .svg, .pdf; none without")
+        Path | None,
+        typer.Option(readable=False, metavar="PATH", help="folder for <name>.png, or a file .png, .svg, .pdf; none without"),
     ] = None,
     axes: Axes = None,
     pareto: Annotated[

@@ -32,10 +32,16 @@ Controllers = list[tuple[Path, Any]]  # task files and their controllers; pipeli
 
 def generate(
     tasks: TaskFiles,
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="write the files of every task here (default: .)")] = None,
+    out: Annotated[
+        Path | None, typer.Option(readable=False, metavar="DIR", help="write the files of every task here (default: .)")
+    ] = None,
     record: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="write to DIR/<task>/<design>/<scalar>/ and note it in DIR/MANIFEST.json for `check`"),
+        typer.Option(
+            readable=False,
+            metavar="DIR",
+            help="write to DIR/<task>/<design>/<scalar>/ and note it in DIR/MANIFEST.json for `check`",
+        ),
     ] = None,
     design: DesignOption = None,
     scalar: ScalarOption = None,

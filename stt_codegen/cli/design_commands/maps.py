@@ -12,17 +12,21 @@ from stt_codegen.errors import BadInput
 
 
 def map_(
-    file: Annotated[Path, typer.Argument(metavar="MAP", help="the .yaml of a map server, with its image beside it")],
+    file: Annotated[
+        Path, typer.Argument(readable=False, metavar="MAP", help="the .yaml of a map server, with its image beside it")
+    ],
     kind: Annotated[Literal["boxes", "polygons"], typer.Option("--as", help="the sets that it is taken as")] = "boxes",
     picture: Annotated[
-        Path | None, typer.Option(metavar="PATH", help="folder for <name>_map.png, or a file .png, .svg, .pdf; default: here")
+        Path | None,
+        typer.Option(readable=False, metavar="PATH", help="folder for <name>_map.png, or a file .png, .svg, .pdf; default: here"),
     ] = None,
     free: Annotated[
         Literal["white", "thresholds"],
         typer.Option(help="which cells are free: white ones, or all that the thresholds make free"),
     ] = "white",
     upright: Annotated[
-        Path | None, typer.Option(metavar="YAML", help="write a rotated map as one that is not, with its .png beside it")
+        Path | None,
+        typer.Option(readable=False, metavar="YAML", help="write a rotated map as one that is not, with its .png beside it"),
     ] = None,
     json: Json = False,
 ) -> None:

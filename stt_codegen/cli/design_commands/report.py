@@ -27,7 +27,9 @@ from stt_codegen.errors import BadInput
 
 def report(
     task: TaskFile,
-    out: Annotated[Path | None, typer.Option(metavar="FILE.html", help="the page; by default <name>.report.html")] = None,
+    out: Annotated[
+        Path | None, typer.Option(readable=False, metavar="FILE.html", help="the page; by default <name>.report.html")
+    ] = None,
     plant: PlantOption = None,
     board: Annotated[
         list[str] | None,

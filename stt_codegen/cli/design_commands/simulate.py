@@ -53,7 +53,9 @@ def simulate(
         str | None,
         typer.Option(help='another control.gain, or "best": the proved gain with the largest margin'),
     ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")] = None,
+    out: Annotated[
+        Path | None, typer.Option(readable=False, metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")
+    ] = None,
     axes: Axes = None,
     design: DesignOption = None,
     scalar: ScalarOption = None,

@@ -11,8 +11,9 @@ from pydantic_core import ErrorDetails
 
 from stt_codegen.task.keys import TOP, TableOfKeys, all_tables, similar_key, tables_in
 from stt_codegen.task.sets import SET_TABLES, fields_of_shape
-from stt_codegen.task.values import ADD_IT, MAX_LABEL, MAX_NAME, kind_of
+from stt_codegen.task.values import ADD_IT, MAX_LABEL, MAX_NAME, NEEDS_NUMBER, kind_of
 
+NEEDS_NUMBER_OR_LIST = "a number is needed, or a list with one for each dimension"
 FIELDS_BY_SHAPE = [fields_of_shape(table) for table in SET_TABLES]
 SHAPE_FIELDS = {field for fields in FIELDS_BY_SHAPE for field in fields}
 *_first, _last = (" and ".join(fields) for fields in FIELDS_BY_SHAPE)
@@ -117,7 +118,8 @@ def _value_message(field: str, error: ErrorDetails) -> str:
         )
         return f"is [{low:g}, {high:g}]; one number is needed: {ONE_SIGN_REMEDY}; {example}"
     if kind == "value_error":
-        return str(context["error"])
+        message = str(context["error"])
+        return message.replace(NEEDS_NUMBER, NEEDS_NUMBER_OR_LIST) if error["loc"][-1] == "<number>" else message
     if kind in ("string_pattern_mismatch", "string_too_long"):
         if error["loc"][0] == "unsafe":
             allowed = "letters, digits, spaces or . _ ( ) # + -"
@@ -133,6 +135,7 @@ def _value_message(field: str, error: ErrorDetails) -> str:
         "tuple_type": f"a list of tables [[{field}]] is needed",
         "bool_type": "use true or false, without quotes",
         "string_type": "text in quotes is needed",
+        "union_tag_invalid": NEEDS_NUMBER_OR_LIST,  # "auto" where no rule chooses the value
     }
     return f"is {kind_of(value)}; {needed.get(kind, error['msg'])}"
 

@@ -1,6 +1,7 @@
 """The grammar of a mission's formulas: from text to a `Formula`.
 
-Operators from the weakest binding to the strongest: `<->` and `->`, or, and, until; then the prefixes always, eventually and not.
+Operators from the weakest binding to the strongest: `<->` and `->`, or, and, until; then the prefixes always, eventually and not,
+as in rtamt. A chain of `->`, `<->` or until needs brackets.
 What other tools write for them is read too (SYNONYMS). A word such as G or AND is an operator only where a region cannot stand,
 so that regions may have such names. The entries of regions.py call it; docs/missions.md explains the language.
 """
@@ -27,11 +28,17 @@ from stt_codegen.task.mission.formulas import (
     negation,
     parts_of,
 )
+from stt_codegen.task.mission.unread_text import (
+    UNREAD_BINARY,
+    UNREAD_PREFIXES,
+    chain_error,
+    require_no_assignment,
+    unread_character,
+)
 
 TOKEN = re.compile(
     r"\s*(?:(<->|<=>|->|=>|&&|\|\||/\\|\\/|[&|!~])|([A-Za-z][A-Za-z0-9_]*)|(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)|([\[\](),:]))"
 )
-COMPARISON = re.compile(r"\s*[<>=+*/-]")
 TEXT_LENGTH_LIMIT = 2000  # characters of a formula
 SIZE_LIMIT = 1000  # regions and operators of a formula that is negated
 NESTING_LIMIT = 40  # operators inside one another
@@ -51,22 +58,6 @@ PREFIX_SYNONYMS = {
     **{name: name for name in ("always", "eventually", "not")},
 }
 SECONDS = {"s": Fraction(1), "ms": Fraction(1, 10**3), "us": Fraction(1, 10**6), "ns": Fraction(1, 10**9)}  # of units in a window
-PAST = "is about the past; a formula is about times to come, from now on: eventually[a, b], always[a, b]"
-# Operators of other tools, by their small letters, that have no synonym here, and what to write instead.
-UNREAD_PREFIXES = {
-    **dict.fromkeys(("next", "x"), "asks for a next step; time is continuous here: write eventually[a, b]"),
-    **dict.fromkeys(("once", "historically", "previous", "prev"), PAST),
-}
-UNREAD_BINARY = {
-    **dict.fromkeys(("release", "r"), "is no operator here; for `f release g` write not (not f until not g)"),
-    **dict.fromkeys(("w", "weak_until"), "is no operator here; for `f weak_until g` write (f until g) or always f"),
-    **dict.fromkeys(("xor", "^"), "is no operator here; for `f xor g` write (f and not g) or (not f and g)"),
-    **dict.fromkeys(("since", "s"), PAST),
-}
-AFFINE = (
-    "compares numbers, and a formula is about regions: add one, as [[region]] with normals = [[1, 1]] and offsets = [3] for "
-    "x + y <= 3, or with lower and upper, and write its name"
-)
 
 
 def parse_formula(text: str) -> Formula:
@@ -97,7 +88,8 @@ class _FormulaParser:
     """A recursive-descent parser: each method reads the tokens that its name says and advances `index` past them."""
 
     def __init__(self, text: str) -> None:
-        self.tokens, self.index, self.depth = list(self._split(text)), 0, 0
+        require_no_assignment(text)
+        self.text, self.tokens, self.index, self.depth = text, list(self._split(text)), 0, 0
 
     @staticmethod
     def _split(text: str) -> Iterator[tuple[str, int]]:
@@ -106,13 +98,7 @@ class _FormulaParser:
         while text[position:].strip():
             match = TOKEN.match(text, position)
             if match is None:
-                rest = text[position:].lstrip()
-                if COMPARISON.match(rest):
-                    raise ValueError(f"{rest[:12]!r} at character {len(text) - len(rest) + 1} {AFFINE}")
-                raise ValueError(
-                    f"{rest[:12]!r} at character {len(text) - len(rest) + 1} is no word of a formula; regions, "
-                    f"{', '.join(KEYWORDS)} are"
-                )
+                raise unread_character(text, len(text) - len(text[position:].lstrip()))
             token = match.group().strip()
             yield token, match.end() - len(token)
             position = match.end()
@@ -160,7 +146,6 @@ class _FormulaParser:
         """Read a formula that goes to the end of the text."""
         formula = self.binary(0)
         if self.index < len(self.tokens):
-            self.refuse_unread(UNREAD_BINARY)
             raise self.error("the end, or one of and, or, until, ->, <->,")
         return formula
 
@@ -171,21 +156,45 @@ class _FormulaParser:
             raise ValueError(f"is nested more than {NESTING_LIMIT} deep; use several entries")
         if level == len(PRECEDENCE):
             formula = self.unary()
+            self.refuse_unread(UNREAD_BINARY)
         else:
-            operators, formula = ("->", "<->") if level == 0 else (PRECEDENCE[level],), self.binary(level + 1)
-            while (operator := self.binary_operator) in operators:
-                self.index += 1
-                if operator == "->":  # a -> b -> c is a -> (b -> c)
-                    formula = disjunction(negated(formula), self.binary(level))
-                elif operator == "<->":
-                    last = self.binary(level + 1)
-                    formula = conjunction(disjunction(negated(formula), last), disjunction(negated(last), formula))
-                elif operator == "until":
-                    formula = Until(self.interval(), formula, self.binary(level + 1))
-                else:
-                    formula = (conjunction if operator == "and" else disjunction)(formula, self.binary(level + 1))
+            formula = self.joined(level)
         self.depth -= 1
         return formula
+
+    def joined(self, level: int) -> Formula:
+        """Read operands of the next level, joined by operators of this one.
+
+        Raises where ->, <-> or until are in a chain: rtamt takes the first two operands together, others the last two.
+        """
+        operators = ("->", "<->") if level == 0 else (PRECEDENCE[level],)
+        begin, formula = self.index, self.binary(level + 1)
+        operands, operator_texts = [self.span_from(begin)], list[str]()
+        while (operator := self.binary_operator) in operators:
+            begin = self.index
+            self.index += 1
+            over = self.interval() if operator == "until" else Interval()
+            operator_texts.append(self.text[slice(*self.span_from(begin))])
+            begin, last = self.index, self.binary(level + 1)
+            operands.append(self.span_from(begin))
+            if operator in ("and", "or"):
+                formula = (conjunction if operator == "and" else disjunction)(formula, last)
+            elif len(operands) > 2:
+                continue  # to the end of the chain, for the message
+            elif operator == "->":
+                formula = disjunction(negated(formula), last)
+            elif operator == "<->":
+                formula = conjunction(disjunction(negated(formula), last), disjunction(negated(last), formula))
+            else:
+                formula = Until(over, formula, last)
+        if len(operands) > 2 and operators not in (("and",), ("or",)):
+            raise chain_error(self.text, operands, operator_texts)
+        return formula
+
+    def span_from(self, first: int) -> tuple[int, int]:
+        """Return begin and end in the text of the tokens from `first` to the one that was read last."""
+        last, position = self.tokens[self.index - 1]
+        return self.tokens[first][1], position + len(last)
 
     def unary(self) -> Formula:
         """Read a region, a formula in brackets, or one behind not, always or eventually."""
@@ -236,6 +245,11 @@ class _FormulaParser:
         if value and not -10 < value.adjusted() < 10:
             raise ValueError(f"has the number {value}; use 0 or seconds from 1e-9 to 1e9")
         unit = SECONDS.get(self.token)
+        if unit is None and self.token.isidentifier() and self.token != "inf":
+            position = self.tokens[self.index][1] + 1
+            raise ValueError(
+                f"has the unit {self.token!r} at character {position}; units are {', '.join(SECONDS)}, and seconds without one"
+            )
         self.index += unit is not None
         return Fraction(value) * (unit or 1)
 
