@@ -229,7 +229,7 @@ class Task(TaskTables):
         """
         if self.control.u_norm is None or not self.has_chosen_limit:
             return "control.u_max"
-        caps, limits = self.limit_caps, self.u_max
+        caps, limits = self.stated_u_max, self.u_max
         is_capped = axis is not None and caps is not None and limits is not None and limits[axis] == caps[axis]
         return "control.u_max" if is_capped else "control.u_norm"
 
