@@ -97,10 +97,13 @@ def effort_for(task: Path, seconds: float | None, has_uncertified: bool = True) 
     seconds: those of --effort; None for its default. has_uncertified: whether the command has --uncertified.
     """
     limit = DEFAULT_SECONDS if seconds is None else seconds
-    end = f"looking for what would do, for about {limit:g} s; Ctrl-C ends the search"
+
+    def announce(reason: str, seconds_left: float) -> None:
+        say(f"{task}: {reason}; looking for what would do, for about {seconds_left:.0f} s; Ctrl-C ends the search")
+
     return Effort(
         limit,
-        lambda reason: say(f"{task}: {reason}; {end}"),
+        announce,
         ends_on_interrupt=True,
         longer="--effort SECONDS",
         as_it_is="--uncertified writes the tube as it is, with a banner" if has_uncertified else "",
