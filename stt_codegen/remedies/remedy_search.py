@@ -88,13 +88,13 @@ def find_remedies(
         adjustments = list(adjustments_of(task, reason))
         for adjustment in adjustments:
             try:
-                change = smallest_change(task, adjustment, trials)
+                change = smallest_change(task, adjustment, trials, remedies.changes)
             except ProofUnfinished as end:
                 remedies.unproved = end.change
                 raise
             if change is None:
                 remedies.without_success += adjustment.keys
-            elif change.text not in [known.text for known in remedies.changes]:
+            else:
                 remedies.changes.append(change)
             if len(remedies.changes) == REMEDY_LIMIT:
                 break
@@ -104,10 +104,13 @@ def find_remedies(
     return remedies
 
 
-def smallest_change(task: Task, adjustment: Adjustment, trials: CertificationTests) -> Change | None:
+def smallest_change(
+    task: Task, adjustment: Adjustment, trials: CertificationTests, named: Sequence[Change] = ()
+) -> Change | None:
     """Return the mildest change of one option with which the task is certified, near the smallest one; None where none is.
 
-    Where the time is over, the mildest one that is known by then. Raises `ProofUnfinished` where not even that is proved in time.
+    named: changes that are certified already; one that makes all edits of such a change, and none by less, is not proved. Where
+    the time is over, the mildest one that is known by then. Raises `ProofUnfinished` where not even that is proved in time.
     """
     admitted: list[Change] = []
     try:
@@ -119,6 +122,8 @@ def smallest_change(task: Task, adjustment: Adjustment, trials: CertificationTes
             raise
     with proof_time():
         for change in admitted[::-1]:
+            if any(milder.is_part_of(change, task) for milder in named):
+                return None
             try:
                 if trials.verifies(task, change):
                     return change

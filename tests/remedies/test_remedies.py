@@ -63,6 +63,22 @@ def test_where_no_option_alone_is_enough_several_change_together_and_none_that_c
     assert holds(change.of(sampled_task()))
 
 
+@pytest.mark.parametrize("needed", [("0.3", "9"), ("0.3", "0.2")])
+def test_a_change_that_contains_one_already_named_is_not_named(needed: tuple[str, str]) -> None:
+    """The first entry is changed alone, and then both; both are named only where one alone is not enough."""
+    task = sampled_task().changed(tube={"clearance": ["0.6", "0.4"]})
+
+    def holds(changed: Task) -> bool:
+        assert isinstance(changed.tube.clearance, tuple)
+        return all(v <= Fraction(limit) for v, limit in zip(changed.tube.clearance, needed, strict=True))
+
+    reason = Reason("too near", codes=("P4",), axis=0)
+    changes = find_remedies(task, reason, CertificationTests(holds, holds)).changes
+    (clearance,) = [edit.value for change in changes for edit in change.edits if edit.key == "tube.clearance"]
+    assert isinstance(clearance, tuple)
+    assert (clearance[1] == Fraction("0.4")) == (needed[1] == "9")
+
+
 def test_a_search_that_finds_nothing_names_what_it_tried() -> None:
     task = arena_task(FAMILIES["paper"], 0).changed(tube={"max_speed": "0.1"})
     sentence = find_remedies(task, SLOW, CertificationTests(lambda _: False, lambda _: False)).sentence("widen it", "")
