@@ -117,6 +117,7 @@ def test_where_no_gain_has_the_whole_reserve_the_chosen_one_has_a_part_of_it() -
     assert is_proved(loop, list(controller.task.gain), forces(controller), Fraction(1))
     (line,) = choice_lines(controller)
     factor = re.search(r"proved also with ([\d.]+) times the disturbance", line)
+    assert "with 1 times" not in line  # that is the task as it stands
     assert 1 <= float(factor[1] if factor else 1) < controller.task.reserve
 
 

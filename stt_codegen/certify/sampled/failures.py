@@ -45,7 +45,7 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
     weak = _axis_without_authority(task, loop)
     if weak is not None:
         needed, limit = needed_input(loop)[weak], loop.law.u_max[weak]
-        against = f"u must outweigh {above(Fraction(needed), 3):g}, the most by which the edges, f, w and coupling push"
+        against = f"|u| must exceed {above(Fraction(needed), 3):g} to outweigh the edges, f, w and coupling"
         key, norm = task.limit_key(weak), task.control.u_norm
         limit_words = f"{key} is {limit:g}"
         if key == "control.u_norm" and norm is not None:
