@@ -16,7 +16,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -52,8 +52,8 @@ class TimedEffort(Effort):
 
     seconds_to_reason: float = 0.0
 
-    def announce_later(self, reason: Callable[[], str]) -> None:
-        reason()
+    def begin_search(self, reason: str) -> None:
+        super().begin_search(reason)
         self.seconds_to_reason = self.elapsed
 
 

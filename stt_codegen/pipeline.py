@@ -37,7 +37,7 @@ from stt_codegen.certify import Certificate
 from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import DesignKind, kinds_offering
 from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design, require_design
-from stt_codegen.effort import CHANGES_SHARE, TUBES_SHARE, Effort, EffortSpent
+from stt_codegen.effort import CHANGES_SHARE, TUBES_SHARE, Effort, EffortSpent, require_effort
 from stt_codegen.errors import BadInput, NotCertified, Reason, about, noted
 from stt_codegen.program import Program
 from stt_codegen.task import Task, load_task, require_offered
@@ -186,7 +186,7 @@ def certified_attempt(task: Task, effort: Effort | None = None, *, accepts_failu
     if first is not None and first.certificate.holds:
         return first
     reason, result, is_stopped, has_tried_all = refusal.reason, None, False, True
-    effort.announce_later(lambda: reason.problem)
+    effort.begin_search(reason.problem)
     try:
         with effort.limit(TUBES_SHARE):
             result = _other_attempt(task, None if first is None else first.design)
@@ -257,6 +257,7 @@ def _replacement_sentence(taken: Attempt, first: Attempt | None, problem: str) -
 
 def _certified_with(task: Task, design: Design) -> Attempt | None:
     """Return what a tube makes of the task; None where it is not certified, which is known sooner than all that fails."""
+    require_effort()
     may_hold = STAGES[design.kind].may_hold
     if may_hold is not None and not may_hold(task, design):
         return None

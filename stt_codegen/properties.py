@@ -48,7 +48,7 @@ class Property(Enum):
     )  # fmt: skip
     PERIOD = (
         "P9", "period", "Sampled every control.period, the state stays in the tube under every plant within [plant].", SECONDS,
-        "lower control.period, or raise control.u_max",
+        "lower control.period",
     )  # fmt: skip
     MISSION = (
         "P10", "mission", "Every x(t) that stays in the tube carries out the mission.", LENGTH,

@@ -113,7 +113,7 @@ def test_a_refusal_has_word_code_and_advice(subject: Property) -> None:
         message = certificate(failing(subject, 0, 1)).refusal()
     missing = f"1{' s' if subject.unit == SECONDS else ''} is missing"
     statement = certificate(failing(subject)).findings[0].statement
-    assert message == f"{subject.label}: {statement} is not shown; {missing}; {subject.advice}"
+    assert message == f"{subject.label}: not shown: {statement} ({missing}); {subject.advice}"
     assert certificate(failing(subject, 0, 1, advice="do that")).refusal().endswith("; do that")
 
 

@@ -84,7 +84,7 @@ class Finding:
         location, unit = self.location(axes), " s" if self.is_in_seconds else ""
         at = f" at {location}" if location else ""
         missing = f"{decimal(self.required - self.margin)}{unit} is missing"
-        return f"{self.subject.label}{at}: {self.statement} is not shown; {missing}"
+        return f"{self.subject.label}{at}: not shown: {self.statement} ({missing})"
 
 
 class PathClaim(NamedTuple):

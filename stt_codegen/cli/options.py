@@ -34,8 +34,14 @@ PlantOption = Annotated[
     ),
 ]
 EffortOption = Annotated[
-    float,
-    typer.Option("--effort", min=0, metavar="SECONDS", help="how long to look for another way, where the task is refused"),
+    float | None,
+    typer.Option(
+        "--effort",
+        min=0,
+        metavar="SECONDS",
+        help="how long to look for another way, where the task is refused",
+        show_default=f"{DEFAULT_SECONDS:g}",
+    ),
 ]
 Uncertified = Annotated[bool, typer.Option("--uncertified", help="write a tube whose certificate fails; every file says so")]
 Noise = Annotated[
@@ -84,18 +90,21 @@ def counted(number: int, thing: str) -> str:
     return f"{number} {thing}" + ("" if number == 1 else "s")
 
 
-def effort_for(task: Path, seconds: float | None = None, has_uncertified: bool = True) -> Effort:
+def effort_for(task: Path, seconds: float | None, has_uncertified: bool = True) -> Effort:
     """Return the effort of a search for another way, which says why it goes on.
 
-    seconds: those of --effort; None for a command without it. has_uncertified: whether the command has --uncertified.
+    seconds: those of --effort; None for its default. has_uncertified: whether the command has --uncertified.
     """
     limit = DEFAULT_SECONDS if seconds is None else seconds
-    end = f"looking for what would do, for about {limit:g} s; Ctrl-C ends the search"
+
+    def announce(reason: str, seconds_left: float) -> None:
+        say(f"{task}: {reason}; looking for what would do, for about {seconds_left:.0f} s; Ctrl-C ends the search")
+
     return Effort(
         limit,
-        lambda reason: say(f"{task}: {reason}; {end}"),
+        announce,
         ends_on_interrupt=True,
-        longer="" if seconds is None else "--effort SECONDS",
+        longer="--effort SECONDS",
         as_it_is="--uncertified writes the tube as it is, with a banner" if has_uncertified else "",
     )
 

@@ -32,6 +32,7 @@ from stt_codegen.compare.integer_comparison import add_integer_rows, count_diffe
 from stt_codegen.compare.refined_comparison import add_refined_rows
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design
+from stt_codegen.effort import Effort
 from stt_codegen.errors import MissingTool, NotCertified
 from stt_codegen.pipeline import EmittedController, build_program, build_task
 from stt_codegen.program import FORMATS
@@ -42,31 +43,39 @@ from stt_codegen.task import Task
 POINTS = 10_000
 
 
-def compare(task: Task, points: int = POINTS, progress: Callable[[str], None] = lambda _: None) -> list[ComparisonRow]:
+def compare(
+    task: Task,
+    points: int = POINTS,
+    progress: Callable[[str], None] = lambda _: None,
+    *,
+    effort: Callable[[], Effort] = Effort,
+) -> list[ComparisonRow]:
     """Compare all backends of a task with the reference.
 
     These are CasADi, the emitted Python, and the emitted C (and Rust) in both precisions. Of a controller in integers they are
     the Python and the C, which are also compared with one another, bit for bit. A task of doubles that cannot be certified in
-    floats (far from the origin) is compared in double alone, and `progress` says so."""
+    floats (far from the origin) is compared in double alone, and `progress` says so. effort: makes that of each design."""
     rows: list[ComparisonRow] = []
     references: dict[str, Any] = {}
-    for controller, make_backend in _backends(task, progress):
+    for controller, make_backend in _backends(task, progress, effort):
         progress(f"comparing {task.name}: {make_backend(controller).name}")
         rows += compare_backend(controller, make_backend, points, references)
     return rows
 
 
-def _backends(task: Task, progress: Callable[[str], None]) -> Iterator[tuple[EmittedController, BackendMaker]]:
+def _backends(
+    task: Task, progress: Callable[[str], None], effort: Callable[[], Effort]
+) -> Iterator[tuple[EmittedController, BackendMaker]]:
     """Yield the controllers to compare, certified or not, each with the function that makes its backend."""
     if task.emit.scalar == "fixed":
-        yield from _emitted_backends(build_task(task, uncertified=True), progress)
+        yield from _emitted_backends(build_task(task, uncertified=True, effort=effort()), progress)
         return
-    double = build_task(task.with_options(scalar="double"), uncertified=True)
+    double = build_task(task.with_options(scalar="double"), uncertified=True, effort=effort())
     casadi = BY_KIND[double.design.kind].casadi
     yield double, lambda controller: casadi(controller, controller.design)
     yield from _emitted_backends(double, progress)
     try:
-        single = build_task(task.with_options(scalar="float"), uncertified=True)
+        single = build_task(task.with_options(scalar="float"), uncertified=True, effort=effort())
     except NotCertified:
         if task.emit.scalar == "float":
             raise

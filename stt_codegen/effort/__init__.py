@@ -6,8 +6,9 @@ from stt_codegen.effort.effort import (
     TUBES_SHARE,
     Effort,
     EffortSpent,
+    proof_time,
     require_effort,
-    without_limit,
+    require_effort_for_proof,
 )
 
 __all__ = [
@@ -16,6 +17,7 @@ __all__ = [
     "TUBES_SHARE",
     "Effort",
     "EffortSpent",
+    "proof_time",
     "require_effort",
-    "without_limit",
+    "require_effort_for_proof",
 ]

@@ -179,6 +179,18 @@ def _scaled_together(
     return Adjustment(codes, lambda factor: Change(tuple(e for part in parts for e in part.change(factor).edits)), factors)
 
 
+def _alone_then_all(
+    codes: frozenset[str], values: Sequence[tuple[str, Numbers]], factors: Factors, axis: int | None
+) -> Iterator[Adjustment]:
+    """Yield the adjustment of an axis that fails alone, where each value is a list with a number for it, and that of all axes."""
+    if axis is not None and values and all(isinstance(value, tuple) for _, value in values):
+        of_axis = [(key, value) for key, value in values if isinstance(value, tuple) and value[axis]]
+        if of_axis:
+            yield _scaled_together(codes, of_axis, factors, axis)
+    if values and any(_has_any(value) for _, value in values):
+        yield _scaled_together(codes, values, factors)
+
+
 def _mission_times(task: Task) -> Iterator[Adjustment]:
     """Yield each time of a mission's entry that may change: windows are wider, a stay is shorter, a round longer."""
     t_c, codes = task.prescribed_time, EDGES | MOTION
@@ -219,10 +231,7 @@ def _tube(task: Task, axis: int | None) -> Iterator[Adjustment]:
         if value is not None:
             yield _scaled(MOTION, key, value, RAISING_FAR)
     for key, value in (("tube.clearance", tube.clearance), ("tube.min_width", tube.min_width)):
-        if isinstance(value, tuple) and axis is not None and value[axis]:
-            yield _scaled(codes, key, value, REMOVING, axis)
-        if _has_any(value):
-            yield _scaled(codes, key, value, REMOVING)
+        yield from _alone_then_all(codes, [(key, value)], REMOVING, axis)
 
 
 def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
@@ -236,21 +245,18 @@ def _robot(task: Task, axis: int | None) -> Iterator[Adjustment]:
         yield _scaled(MOTION, "control.u_max", control.u_max, RAISING)
     if control.u_norm is not None:
         yield _scaled(MOTION, "control.u_norm", control.u_norm, RAISING)
-    sampled = frozenset({PERIOD})
     drive = [(f"plant.{k}", v, REMOVING) for k in ("lag", "lag2", "overshoot") if (v := getattr(plant, k)) and _has_any(v)]
     drive += [("plant.slew", plant.slew, RAISING)] if plant.slew is not None else []
-    yield from (_scaled(sampled, key, value, factors) for key, value, factors in drive)
-    noise = [(f"plant.{k}", v) for k in ("noise", "noise_v") if (v := getattr(plant, k)) and _has_any(v)]
-    of_axis = [(key, v) for key, v in noise if axis is not None and isinstance(v, tuple) and v[axis]]
-    if of_axis and len(of_axis) == len(noise):
-        yield _scaled_together(sampled, noise, REMOVING, axis)
-    if noise:
-        yield _scaled_together(sampled, noise, REMOVING)
-    forces = [(f"plant.{k}", v) for k in ("f_max", "w_max") if (v := getattr(plant, k)) and _has_any(v)]
-    if forces and any(v is not None for v in (control.u_max, control.u_norm, control.period)):
-        yield _scaled_together(INPUT, forces, REMOVING)
-    if plant.g_cross is not None and _has_any(plant.g_cross):
-        yield _scaled(INPUT, "plant.g_cross", plant.g_cross, REMOVING)
+    for key, value, factors in drive:
+        yield from _alone_then_all(frozenset({PERIOD}), [(key, value)], factors, axis)
+    noise, forces, coupling = (
+        [(f"plant.{k}", v) for k in keys if (v := getattr(plant, k)) and _has_any(v)]
+        for keys in (("noise", "noise_v"), ("f_max", "w_max"), ("g_cross",))
+    )
+    yield from _alone_then_all(frozenset({PERIOD}), noise, REMOVING, axis)
+    if any(v is not None for v in (control.u_max, control.u_norm, control.period)):
+        yield from _alone_then_all(INPUT, forces, REMOVING, axis)
+    yield from _alone_then_all(INPUT, coupling, REMOVING, axis)
     if task.order == 2 and any(task.start_speed):
         speed = task.as_stated.initial_set.speed
         if speed is not None:

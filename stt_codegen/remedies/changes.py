@@ -42,6 +42,11 @@ class Change:
         """Return both changes as one."""
         return Change((*self.edits, *change.edits), "; ".join(filter(None, (self.remark, change.remark))))
 
+    def is_part_of(self, change: Change, task: Task) -> bool:
+        """Return whether another change of the task makes each of these edits, and none of them by less."""
+        edits = dict(change.edits)
+        return all(key in edits and _is_up_to(value, edits[key], _stated_value(task, key)) for key, value in self.edits)
+
     def of(self, task: Task) -> Task:
         """Return the changed task. Raises `BadInput` where its fields no longer fit together."""
         return task.changed(**_changed_fields(task, self.edits))
@@ -52,6 +57,27 @@ def written(value: Value) -> str:
     if isinstance(value, tuple):
         return f"[{', '.join(map(exact_decimal, value))}]"
     return f'"{value}"' if isinstance(value, str) else exact_decimal(value or Fraction(0))
+
+
+def _is_up_to(value: Value, stronger: Value, stated: Any) -> bool:
+    """Return whether a value lies between the stated one and a stronger one, of lists each entry; words are equal or not."""
+    if value == stronger:
+        return True
+    if isinstance(value, tuple) and isinstance(stronger, tuple):
+        entries = stated if isinstance(stated, tuple) else (stated,) * len(value)
+        return all(map(_is_up_to, value, stronger, entries))
+    if isinstance(value, Fraction) and isinstance(stronger, Fraction) and isinstance(stated, Fraction):
+        return stated <= value <= stronger or stated >= value >= stronger
+    return False
+
+
+def _stated_value(task: Task, key: str) -> Any:
+    """Return what the task file has for a key such as "unsafe[0].timing"; None where it has nothing."""
+    value: Any = task.as_stated
+    for name in key.split("."):
+        field, _, index = name.rstrip("]").partition("[")
+        value = getattr(value, field)[int(index)] if index else getattr(value, field)
+    return value
 
 
 def _changed_fields(task: Task, edits: Sequence[Edit]) -> dict[str, Any]:

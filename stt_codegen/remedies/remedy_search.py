@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 
-from stt_codegen.effort import EffortSpent, without_limit
+from stt_codegen.effort import EffortSpent, proof_time, require_effort, require_effort_for_proof
 from stt_codegen.errors import BadInput, Reason
 from stt_codegen.remedies.adjustments import Adjustment, adjustments_of
 from stt_codegen.remedies.changes import Change
@@ -40,11 +40,13 @@ class CertificationTests:
 class Remedies:
     """Changes with which the task was certified, and the keys that were tried without success.
 
-    is_complete: whether every option was tried; False where the time was over or the user stopped the search.
+    unproved: the change whose proof was not finished when the time was over. is_complete: whether every option was tried; False
+    where the time was over or the user stopped the search.
     """
 
     changes: list[Change] = field(default_factory=list)
     without_success: list[str] = field(default_factory=list)
+    unproved: Change | None = None
     is_complete: bool = False
 
     def sentence(self, hint: str, longer: str) -> str:
@@ -58,9 +60,19 @@ class Remedies:
             first, *more = (change.text for change in self.changes)
             smaller = "smaller changes may do" if stopped else ""
             return "; ".join(filter(None, (", or ".join((f"certified {first}", *more)), smaller, stopped)))
+        if self.unproved is not None:
+            return f"{self.unproved.text} it may be certified, for which the time for a proof was too short; {stopped}"
         keys = list(dict.fromkeys(self.without_success))
         tried = f"no change that was tried was enough, of {', '.join(keys)}" if keys else ""
         return "; ".join(filter(None, (tried, stopped, "" if tried else hint)))
+
+
+class ProofUnfinished(EffortSpent):
+    """The seconds were over during the proof of a change that the quick test admits."""
+
+    def __init__(self, change: Change) -> None:
+        super().__init__()
+        self.change = change
 
 
 def find_remedies(
@@ -75,10 +87,14 @@ def find_remedies(
     with suppress(*ends):
         adjustments = list(adjustments_of(task, reason))
         for adjustment in adjustments:
-            change = smallest_change(task, adjustment, trials)
+            try:
+                change = smallest_change(task, adjustment, trials, remedies.changes)
+            except ProofUnfinished as end:
+                remedies.unproved = end.change
+                raise
             if change is None:
                 remedies.without_success += adjustment.keys
-            elif change.text not in [known.text for known in remedies.changes]:
+            else:
                 remedies.changes.append(change)
             if len(remedies.changes) == REMEDY_LIMIT:
                 break
@@ -88,20 +104,32 @@ def find_remedies(
     return remedies
 
 
-def smallest_change(task: Task, adjustment: Adjustment, trials: CertificationTests) -> Change | None:
+def smallest_change(
+    task: Task, adjustment: Adjustment, trials: CertificationTests, named: Sequence[Change] = ()
+) -> Change | None:
     """Return the mildest change of one option with which the task is certified, near the smallest one; None where none is.
 
-    Where the time is over, the mildest one that is known by then.
+    named: changes that are certified already; one that makes all edits of such a change, and none by less, is not proved. Where
+    the time is over, the mildest one that is known by then. Raises `ProofUnfinished` where not even that is proved in time.
     """
     admitted: list[Change] = []
     try:
         for change in _admitted_changes(task, adjustment, trials):
             admitted.append(change)
+            require_effort_for_proof()
     except EffortSpent:
         if not admitted:
             raise
-    with without_limit():
-        return next((change for change in admitted[::-1] if trials.verifies(task, change)), None)
+    with proof_time():
+        for change in admitted[::-1]:
+            if any(milder.is_part_of(change, task) for milder in named):
+                return None
+            try:
+                if trials.verifies(task, change):
+                    return change
+            except EffortSpent:
+                raise ProofUnfinished(change) from None
+    return None
 
 
 def _admitted_changes(task: Task, adjustment: Adjustment, trials: CertificationTests) -> Iterator[Change]:
@@ -160,6 +188,7 @@ def _joined(parts: Sequence[Change]) -> Change:
 
 
 def _holds_with(test: TaskTest, task: Task, change: Change) -> bool:
+    require_effort()
     with suppress(BadInput):
         return test(change.of(task))
     return False

@@ -28,8 +28,13 @@ def sampling_lines(sampling: SamplingReport, tick_period: float | None) -> Itera
     if sampling.has_drive:
         yield Line(f"sampling: {Property.PERIOD.label} alone counts the drive of [plant]; no other gain or period is looked for")
         return
-    proved = f"proved without the worst path that {Property.PERIOD.label} follows," if sampling.has_proved_period else "proved"
-    yield Line(f"sampling, {proved} for {sampling.plant} from every start with {sampling.starts}:")
+    about = f"for {sampling.plant} from every start with {sampling.starts}"
+    if sampling.has_proved_period:
+        period = f"{Property.PERIOD.label} holds for the emitted controller, every {format_time(sampling.wanted)}"
+        yield Line(f"sampling: {period}; its proof follows the worst path")
+        yield Line(f"a second proof takes the worst case at each time, and so proves other periods, {about}:")
+    else:
+        yield Line(f"sampling, proved {about}:")
     at_this_gain = sampling.at_this_gain
     if at_this_gain is None and sampling.has_proved_period:
         yield Line("no period: the worst path alone proves it", is_detail=True)

@@ -222,15 +222,15 @@ class Task(TaskTables):
         """The numbers of control.u_max by component, whatever was chosen within them; None where it has none."""
         return self._limits_in(self._stated_tables[0])
 
-    def limit_key(self, axis: int | None = None) -> str:
-        """Return the key of the task file to raise where u is too small, on one axis (from 0) or on any.
+    def limit_key(self, axis: int) -> str:
+        """Return the key of the task file to raise where u is too small on an axis (from 0).
 
         It is that of the norm, where u_max is what the norm leaves, and not the limit that the task states for the axis.
         """
         if self.control.u_norm is None or not self.has_chosen_limit:
             return "control.u_max"
         caps, limits = self.stated_u_max, self.u_max
-        is_capped = axis is not None and caps is not None and limits is not None and limits[axis] == caps[axis]
+        is_capped = caps is not None and limits is not None and limits[axis] == caps[axis]
         return "control.u_max" if is_capped else "control.u_norm"
 
     @property

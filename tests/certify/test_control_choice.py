@@ -116,9 +116,9 @@ def test_where_no_gain_has_the_whole_reserve_the_chosen_one_has_a_part_of_it() -
     assert not is_proved(loop, list(controller.task.gain), forces(controller), controller.task.reserve)
     assert is_proved(loop, list(controller.task.gain), forces(controller), Fraction(1))
     (line,) = choice_lines(controller)
-    factor = re.search(r"proved for ([\d.]+) times the disturbance", line)
-    assert factor is not None
-    assert 1 <= float(factor[1]) < controller.task.reserve
+    factor = re.search(r"proved also with ([\d.]+) times the disturbance", line)
+    assert "with 1 times" not in line  # that is the task as it stands
+    assert 1 <= float(factor[1] if factor else 1) < controller.task.reserve
 
 
 DIFFERENCES = """
@@ -151,7 +151,7 @@ def test_the_factor_of_the_disturbance_that_is_printed_is_proved(text: str) -> N
     """With a velocity by differences a larger disturbance makes the error of v larger, too."""
     controller = build_once(parse_task(text))
     (line,) = (v for v in choice_lines(controller) if v.startswith("gain"))
-    factor = Fraction(re.findall(r"proved for ([\d.]+) times the disturbance", line)[0])
+    factor = Fraction(([*re.findall(r"proved also with ([\d.]+) times the disturbance", line), "1"])[0])
     task, design = controller.task, require_refined(controller.design)
     assert task.plant.w_max is not None
     assert factor >= 1
@@ -322,3 +322,30 @@ def test_a_shipped_task_of_integers_keeps_its_reserve() -> None:
     assert not controller.task.has_chosen_limit
     loop = path_loop(controller)
     assert is_proved(loop, list(controller.task.gain), forces(controller), controller.task.reserve)
+
+
+SHARED = """
+name = "shared"
+prescribed_time = 12
+initial_state = [0.5, 0.5]
+state_space = { lower = [0, 0], upper = [5, 5] }
+initial_set = { lower = [0.2, 0.2], upper = [0.8, 0.8] }
+target_set = { lower = [4, 4], upper = [4.8, 4.8] }
+control = { period = 0.02, u_norm = 1.2 }
+plant = { w_max = [0.01, 0.2], noise = 0.001 }
+"""
+
+
+@pytest.mark.parametrize(
+    ("u_max", "beginning"),
+    [
+        (["0.4", "5"], "u_max 0.630297 of dimension 2 was chosen: 1.21 times"),
+        (["4", "5"], "u_max [0.496, 0.781] was chosen: 1.5 times"),
+        (["0.4", "0.6"], ""),
+    ],
+)
+def test_no_limit_that_the_task_states_is_said_to_be_chosen(u_max: list[str], beginning: str) -> None:
+    task = parse_task(SHARED).changed(control={"u_max": u_max})
+    lines = [line for line in choice_lines(build_once(task)) if line.startswith("u_max")]
+    assert len(lines) == bool(beginning)
+    assert all(line.startswith(beginning) for line in lines)

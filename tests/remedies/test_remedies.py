@@ -15,8 +15,8 @@ from benchmarks.suites.families import FAMILIES, arena_task
 from benchmarks.suites.remedies import follow_remedies, remedies_of
 from stt_codegen import pipeline
 from stt_codegen.design.linear_programs.solver import LinearProgram
-from stt_codegen.effort import Effort, EffortSpent, require_effort
-from stt_codegen.errors import BadInput, NotCertified, Reason
+from stt_codegen.effort import Effort, EffortSpent
+from stt_codegen.errors import NotCertified, Reason
 from stt_codegen.pipeline import build_task
 from stt_codegen.remedies import CertificationTests, find_remedies
 from stt_codegen.remedies.adjustments import adjustments_of
@@ -63,6 +63,22 @@ def test_where_no_option_alone_is_enough_several_change_together_and_none_that_c
     assert holds(change.of(sampled_task()))
 
 
+@pytest.mark.parametrize("needed", [("0.3", "9"), ("0.3", "0.2")])
+def test_a_change_that_contains_one_already_named_is_not_named(needed: tuple[str, str]) -> None:
+    """The first entry is changed alone, and then both; both are named only where one alone is not enough."""
+    task = sampled_task().changed(tube={"clearance": ["0.6", "0.4"]})
+
+    def holds(changed: Task) -> bool:
+        assert isinstance(changed.tube.clearance, tuple)
+        return all(v <= Fraction(limit) for v, limit in zip(changed.tube.clearance, needed, strict=True))
+
+    reason = Reason("too near", codes=("P4",), axis=0)
+    changes = find_remedies(task, reason, CertificationTests(holds, holds)).changes
+    (clearance,) = [edit.value for change in changes for edit in change.edits if edit.key == "tube.clearance"]
+    assert isinstance(clearance, tuple)
+    assert (clearance[1] == Fraction("0.4")) == (needed[1] == "9")
+
+
 def test_a_search_that_finds_nothing_names_what_it_tried() -> None:
     task = arena_task(FAMILIES["paper"], 0).changed(tube={"max_speed": "0.1"})
     sentence = find_remedies(task, SLOW, CertificationTests(lambda _: False, lambda _: False)).sentence("widen it", "")
@@ -87,29 +103,6 @@ def test_the_search_ends_when_its_time_is_over_with_what_it_knows() -> None:
     assert remedies.sentence("", "--effort SECONDS").endswith("tried (--effort SECONDS)")
     assert remedies.sentence("", "").endswith("before every option was tried")
     assert [edit.key for change in remedies.changes for edit in change.edits] == ["control.period"]
-
-
-def test_a_limit_counts_within_its_block_alone() -> None:
-    effort = Effort(0.0)
-    require_effort()
-    with pytest.raises(EffortSpent), effort.limit(1.0):
-        require_effort()
-    require_effort()
-
-
-@pytest.mark.parametrize(("delay", "said"), [(0.0, ["too narrow"]), (60.0, [])])
-def test_the_first_reason_is_said_once_where_the_search_goes_on(
-    delay: float, said: list[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("stt_codegen.effort.effort.ANNOUNCEMENT_DELAY", delay)
-    lines: list[str] = []
-    effort = Effort(60.0, lines.append)
-    effort.announce_later(lambda: "too narrow")
-    effort.announce_later(lambda: "a later one")
-    with effort.limit(1.0):
-        for _ in range(3):
-            require_effort()
-    assert lines == said
 
 
 def test_a_refusal_goes_to_another_process_with_its_reason() -> None:
@@ -294,9 +287,3 @@ def test_a_refusal_keeps_its_parts_when_it_is_about_a_file(tmp_path: Path) -> No
         pipeline.build(path, effort=Effort(0.0))
     assert refusal.value.reason.codes
     assert str(refusal.value).startswith(f"{path}: ")
-
-
-@pytest.mark.parametrize("seconds", [float("nan"), -1, float("inf"), "x", None])
-def test_an_effort_that_is_no_number_of_seconds_is_bad_input(seconds: object) -> None:
-    with pytest.raises(BadInput, match="effort: is .*; a number of seconds is needed, 0 or more"):
-        Effort(seconds)  # type: ignore[arg-type]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stt_codegen.decimals import above, below, by_component, decimal
-from stt_codegen.sampling import SampledLoop, needed_input
+from stt_codegen.sampling import SampledLoop, longest_proved_period, needed_input
 from stt_codegen.sampling.path import Drive
 from stt_codegen.task import Task
 
@@ -16,10 +16,7 @@ DIFFERENCES_ADVICE = (
     "use another control.period (the error of a velocity by differences grows with it, what noise adds falls), state less noise, "
     "or measure the velocity"
 )
-DIFFERENCES_ADVICE = (
-    "use another control.period (the error of a velocity by differences grows with it, what noise adds falls), state less noise, "
-    "or measure the velocity"
-)
+NOISE_SHARE = 1 / 20  # of the tube's width: a smaller error of the measured state is not what leaves no room
 LATE_SHARE = 1 / 8  # of the time in which x crosses the tube: an input that is later may be too late, whatever the gain
 SAMPLE_AGE_SHARE = 0.6  # of the age of a sample, that counts like a delay of the drive
 
@@ -48,7 +45,7 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
     weak = _axis_without_authority(task, loop)
     if weak is not None:
         needed, limit = needed_input(loop)[weak], loop.law.u_max[weak]
-        against = f"|u| = {above(Fraction(needed), 3):g} balances what the edges, f, w and coupling do at most"
+        against = f"|u| must exceed {above(Fraction(needed), 3):g} to outweigh the edges, f, w and coupling"
         key, norm = task.limit_key(weak), task.control.u_norm
         limit_words = f"{key} is {limit:g}"
         if key == "control.u_norm" and norm is not None:
@@ -62,14 +59,17 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
     if longest is not None and longest.seconds > 0:
         problem = f"control.period = {decimal(task.sampling_period)} s is too long"
         problem += f"; {below(longest.seconds, 3):g} s is the longest that is proved with {gain}"
-        hint, about = f"lower control.period, or raise {task.limit_key()}", ("control.period",)
+        hint, about = "lower control.period", ("control.period",)  # a larger limit of u is proved for a shorter one
         begin, end, dimension = longest.bottleneck or (0.0, 0.0, 0)
         if not dimension:
             return PeriodFailure(problem, None, hint, about)
         first = f"{task.axis_words[dimension - 1]} fails first, at t in [{begin:.3g}, {end:.3g}] s"
         return PeriodFailure(f"{problem}, where {first}", dimension - 1, hint, about)
-    axis, delay, crossing = _latest_axis(task, loop)
+    noisy = _axis_without_room_for_noise(task, loop)
     problem = f"no period is proved with {gain}"
+    if noisy is not None:
+        return _noise_failure(task, loop, noisy, problem)
+    axis, delay, crossing = _latest_axis(task, loop)
     if delay < LATE_SHARE * crossing:  # then the gain is to blame
         return PeriodFailure(problem, None, 'state control.gain = "auto"', ("control.gain",))
     problem += f": in {task.axis_words[axis]} the input is late by {delay:.3g} s "
@@ -84,6 +84,35 @@ def _axis_without_authority(task: Task, loop: SampledLoop) -> int | None:
     ratio = needed_input(loop) / loop.law.u_max
     axis = int(ratio.argmax())
     return axis if ratio[axis] >= 1 else None
+
+
+def _axis_without_room_for_noise(task: Task, loop: SampledLoop) -> int | None:
+    """Return the axis whose tube is narrowest beside the error of its measured state; None where noise is not to blame.
+
+    It is where the error is half of the width, so that the side of the middle is not known, or where a period is proved as soon
+    as the state is measured exactly.
+    """
+    share = (loop.law.shift / loop.windows.narrow).max(axis=0)
+    axis = int(share.argmax())
+    if not (task.noise[axis] or task.noise_v[axis]):
+        return None
+    is_to_blame = share[axis] >= 1 / 2 or (
+        share[axis] >= NOISE_SHARE and longest_proved_period("sharp", loop.with_law(shift=loop.law.shift * 0)) is not None
+    )
+    return axis if is_to_blame else None
+
+
+def _noise_failure(task: Task, loop: SampledLoop, axis: int, problem: str) -> PeriodFailure:
+    """Return the failure of an axis on which the error of the measured state is large beside the tube's width."""
+    error, width = loop.law.shift[axis], below(Fraction(loop.windows.narrow[:, axis].min()), 3)
+    keys = [key for key, values in (("plant.noise", task.noise), ("plant.noise_v", task.noise_v)) if values and values[axis]]
+    measured = "x" if task.order == 1 else "v + lambda x"
+    unit = f" {task.units[axis]}{'' if task.order == 1 else '/s'}" if task.units and task.units[axis] else ""
+    problem += (
+        f": in {task.axis_words[axis]} {measured} is measured to {error:.3g}{unit} ({' and '.join(keys)}), and its tube is "
+    )
+    problem += f"{width:g}{unit} wide where it is narrowest"
+    return PeriodFailure(problem, axis, "state less noise there, or widen the tube", tuple(keys))
 
 
 def _latest_axis(task: Task, loop: SampledLoop) -> tuple[int, float, float]:

@@ -24,6 +24,7 @@ from stt_codegen.certify.sampled.late_inputs import drive_words, prove_late_peri
 from stt_codegen.certify.sampled.lost_turns import LostTurn, lost_turn
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import RefinedDesign
+from stt_codegen.effort import require_effort
 from stt_codegen.properties import Property
 from stt_codegen.sampling import (
     Period,
@@ -192,6 +193,7 @@ def prove_period(task: Task, exact: SampledLoop, loop: SampledLoop, longest_peri
     candidates = [prove_for_period("sharp", loop, float(age))]
     candidates += [longest_period] if longest_period and longest_period.seconds >= age else []
     for candidate, raised in itertools.product((p for p in candidates if p is not None), RAISES):
+        require_effort()
         wanted = [Fraction(str(above(Fraction(math.exp(v)) * (1 + raised), 9))) for v in candidate.eps_bound]
         rho = tuple(map(min, wanted, exact.law.eps_at_clamp.tolist()))
         u = inputs_where_proved(exact, rho, age)

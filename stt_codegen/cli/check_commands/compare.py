@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from stt_codegen.cli.options import DesignOption, Json, TaskFile, patience, print_json, say
+from stt_codegen.cli.options import DesignOption, EffortOption, Json, TaskFile, effort_for, patience, print_json, say
 
 
 def compare(
@@ -15,6 +15,7 @@ def compare(
     points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 10_000,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="the table, also where all agree")] = False,
     json: Json = False,
+    effort: EffortOption = None,
 ) -> None:
     """Compare CasADi, the Python, and the C in float and double with an independent reference. Exit code 1 beyond a bound."""
     from dataclasses import asdict
@@ -28,7 +29,7 @@ def compare(
 
         loaded = load_task(task).with_options(design)
         require_supported(loaded)
-        rows = compare_task(loaded, points, progress=say)
+        rows = compare_task(loaded, points, say, effort=lambda: effort_for(task, effort, has_uncertified=False))
     good = all(r.holds for r in rows)
     if json:
         print_json({"task": loaded.name, "within_bounds": good, "rows": [{**asdict(r), "holds": r.holds} for r in rows]})

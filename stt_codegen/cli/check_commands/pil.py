@@ -7,7 +7,17 @@ from typing import Annotated
 import typer
 
 from stt_codegen.board import BOARDS
-from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFile, effort_for, one_of, patience, print_json
+from stt_codegen.cli.options import (
+    DesignOption,
+    EffortOption,
+    Json,
+    ScalarOption,
+    TaskFile,
+    effort_for,
+    one_of,
+    patience,
+    print_json,
+)
 
 
 def pil(
@@ -18,6 +28,7 @@ def pil(
     points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 2000,
     rust: Annotated[bool, typer.Option("--rust", help="the emitted Rust in place of the C, on an ARM board")] = False,
     json: Json = False,
+    effort: EffortOption = None,
 ) -> None:
     """Processor in the loop: run the emitted code on an emulated board, compare it with the reference, count each call's cost."""
     from dataclasses import asdict
@@ -27,7 +38,7 @@ def pil(
         from stt_codegen.pipeline import build
 
         controller = build(
-            task, design, scalar, language="rust" if rust else None, effort=effort_for(task, has_uncertified=False)
+            task, design, scalar, language="rust" if rust else None, effort=effort_for(task, effort, has_uncertified=False)
         )
         rows, costs = run_on_board(controller, BOARDS[board], points, rust)
     good = all(r.holds for r in rows)

@@ -10,6 +10,7 @@ import typer
 
 from stt_codegen.cli.options import (
     DesignOption,
+    EffortOption,
     Json,
     Latency,
     Noise,
@@ -47,12 +48,14 @@ def prove(
     design: DesignOption = None,
     scalar: ScalarOption = None,
     json: Json = False,
+    effort: EffortOption = None,
 ) -> None:
     """Prove or refute the lemmas that controllers rest on, about the printed expressions; with a TASK, evaluate the hypotheses
     and bounds for its tube and plant. Exit code 1 when a lemma is open or a hypothesis fails."""
     if task is None:
-        if plant is not None or noise or latency or design is not None or scalar is not None:
-            options = "--plant, --noise, --latency, --design and --scalar"
+        task_options = (plant, noise or None, latency or None, design, scalar, effort)
+        if any(option is not None for option in task_options):
+            options = "--plant, --noise, --latency, --design, --scalar and --effort"
             raise BadInput(f"prove: {options} belong to a TASK; the book is about every task")
         if out is None and not BOOK.is_file():
             raise BadInput(f"prove: there is no {BOOK} here, which the book replaces; say with --out where it goes (.md or .tex)")
@@ -63,7 +66,7 @@ def prove(
         from stt_codegen.pipeline import build
 
         with patience(f"designing {task}"):
-            controller = build(task, design, scalar, effort=effort_for(task, has_uncertified=False))
+            controller = build(task, design, scalar, effort=effort_for(task, effort, has_uncertified=False))
         good = _prove_task(controller, plant, (noise, latency), folder=out or Path(), check=check, as_json=json)
     if not good:
         raise typer.Exit(1)

@@ -20,7 +20,6 @@ from stt_codegen.cli.options import (
     patience,
     print_json,
 )
-from stt_codegen.effort import DEFAULT_SECONDS
 
 
 def design(
@@ -36,7 +35,7 @@ def design(
         bool, typer.Option("--pareto", help="what tubes of several widths trade: width, speed, longest proved period")
     ] = False,
     json: Json = False,
-    effort: EffortOption = DEFAULT_SECONDS,
+    effort: EffortOption = None,
     uncertified: Uncertified = False,
 ) -> None:
     """Show the tube of a task before anything is emitted: width, speed, certificate, cost, picture."""

@@ -23,7 +23,6 @@ from stt_codegen.cli.options import (
     print_line,
     say,
 )
-from stt_codegen.effort import DEFAULT_SECONDS
 from stt_codegen.errors import BadInput
 from stt_codegen.program.targets import optional_targets
 
@@ -60,7 +59,7 @@ def generate(
         bool, typer.Option("--theorem", help="write <name>.v too: the theorems for Coq, see `stt-codegen theorem`")
     ] = False,
     json: Json = False,
-    effort: EffortOption = DEFAULT_SECONDS,
+    effort: EffortOption = None,
 ) -> None:
     """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
     from stt_codegen.record import interface_of
@@ -96,7 +95,7 @@ def _require_compatible(*, out: Path | None, record: Path | None, package: str, 
 
 
 def _build_all(
-    tasks: list[Path], *, design: str | None, scalar: str | None, uncertified: bool, package: str, effort: float
+    tasks: list[Path], *, design: str | None, scalar: str | None, uncertified: bool, package: str, effort: float | None
 ) -> Controllers:
     """Build the controller of each task, all of them before any is written."""
     from stt_codegen.pipeline import build

@@ -11,6 +11,7 @@ import typer
 
 from stt_codegen.cli.options import (
     DesignOption,
+    EffortOption,
     Json,
     PlantOption,
     ScalarOption,
@@ -38,6 +39,7 @@ def report(
     design: DesignOption = None,
     scalar: ScalarOption = None,
     json: Json = False,
+    effort: EffortOption = None,
     uncertified: Uncertified = False,
 ) -> None:
     """Write one HTML page about a controller: the tube over time, the C to drive, certificate, evidence. It needs no network.
@@ -52,7 +54,7 @@ def report(
 
         loaded = load_task(task)
         model = None if plant is None else plant_of(plant, loaded.dimension, loaded.order)
-        controller = build(task, design, scalar, uncertified, effort=effort_for(task))
+        controller = build(task, design, scalar, uncertified, effort=effort_for(task, effort))
         figures = design_report(controller, time.perf_counter() - begin)
     with patience(f"compiling and comparing {controller.task.name}"):
         from stt_codegen.report.page import evidence, page

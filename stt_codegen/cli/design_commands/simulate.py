@@ -10,6 +10,7 @@ import typer
 from stt_codegen.cli.options import (
     Axes,
     DesignOption,
+    EffortOption,
     Json,
     Latency,
     Noise,
@@ -61,6 +62,7 @@ def simulate(
     scalar: ScalarOption = None,
     uncertified: Uncertified = False,
     json: Json = False,
+    effort: EffortOption = None,
 ) -> None:
     """Simulate a plant in closed loop with the emitted C, held between samples. Exit code 1 when the task is missed."""
     with patience(f"simulating {task}"):
@@ -73,7 +75,7 @@ def simulate(
             lag=lag, start=start,
             seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
         )  # fmt: skip
-        controller = build(task, design, scalar, uncertified, effort=effort_for(task))
+        controller = build(task, design, scalar, uncertified, effort=effort_for(task, effort))
         report = run_loop(controller, request, out)
     for name in enlarged_sets(controller.task):
         say(f"note: {controller.task.name}: {name} is judged by a larger set, so a reported collision may not have happened")

@@ -21,6 +21,7 @@ from stt_codegen.sampling.path import (
 )
 from stt_codegen.task import Task
 
+LIMIT_ROUNDING = 1.01  # a limit that is chosen is rounded up to three digits
 REFERENCE_ERROR = Fraction(1, 2)  # |e| at which the resting gain is computed once
 
 
@@ -35,13 +36,28 @@ def choice_lines(controller: EmittedController) -> Iterator[str]:
     design = require_refined(controller.design)
     errors = certificate.edge_error, rate_error(design, controller.program) if design.filter else ()
     if task.has_chosen_limit and task.u_max is not None:
-        needed = needed_input(loop_of(task, design, *errors))
-        factor = min((float(u) / v for u, v in zip(task.u_max, needed.tolist(), strict=True) if v), default=math.inf)
-        yield f"u_max {by_component(task.u_max)} was chosen: {factor:.3g} times what balances disturbances and edges"
+        yield from _limit_line(task, task.u_max, needed_input(loop_of(task, design, *errors)).tolist())
     if task.has_tight_gain:
         yield f"gain {by_component([abs(k) for k in task.gain])} was chosen: of those that are tried it keeps |e| smallest"
     if task.has_gentle_gain:
         yield _gain_line(task, path_loop_of(task, design, exact_loop(task, design, *errors)))
+
+
+def _limit_line(task: Task, limits: Sequence[Fraction], needed: Sequence[float]) -> Iterator[str]:
+    """Yield which limits of u were chosen, and how many times what they balance; none for limits that the task states."""
+    stated = task.stated_u_max or (None,) * len(limits)
+    chosen = [i for i, (u, cap) in enumerate(zip(limits, stated, strict=True)) if u != cap]
+    factors = [float(limits[i]) / needed[i] for i in chosen if needed[i]]
+    if not chosen:
+        return
+    is_all = len(chosen) == len(limits)
+    axes = "" if is_all else f" of {', '.join(task.axis_words[i] for i in chosen)}"
+    values = by_component(limits) if is_all else ", ".join(decimal(limits[i]) for i in chosen)
+    line = f"u_max {values}{axes} was chosen"
+    if factors:
+        at_least = "at least " if max(factors) > min(factors) * LIMIT_ROUNDING else ""
+        line += f": {at_least}{min(factors):.3g} times what balances disturbances and edges"
+    yield line
 
 
 def _gain_line(task: Task, loop: PathLoop) -> str:
@@ -55,10 +71,10 @@ def _gain_line(task: Task, loop: PathLoop) -> str:
     if task.has_drive:
         factors.append((proved_drive_factor(loop), "delay of the drive"))
     is_proved = all(factor for factor, _ in factors)  # by the worst path; else by the sharp conditions, with no reserve known
-    *first_parts, last_part = [f"{_factor(factor)} times the {word}" for factor, word in factors]
-    proved = f"{', '.join(first_parts)} and {last_part}" if first_parts else last_part
-    line = f"gain {by_component(gain)}: rests within |e| {above(Fraction(resting_error), 2):g}"
-    line += f", proved for {proved}" if is_proved else ""
+    *first_parts, last_part = [f"{_factor(factor)} times the {word}" for factor, word in factors if factor != 1] or [""]
+    larger = f"{', '.join(first_parts)} or {last_part}" if first_parts else last_part
+    line = f"gain {by_component(gain)}: a steady disturbance leaves the state within |e| {above(Fraction(resting_error), 2):g}"
+    line += f"; proved also with {larger}" if is_proved and larger else ""
     if not task.has_noise:
         return line
     at_middle, at_rest = (_answer_to_noise(loop, e) for e in (0.0, resting_error))
