@@ -19,8 +19,9 @@ import pytest
 from stt_codegen.cli.options import PACKAGES
 from stt_codegen.errors import BadInput
 from stt_codegen.files import write_files
-from stt_codegen.record.check import check, describe_numbers
+from stt_codegen.record.check import check
 from stt_codegen.record.manifest import hash_of_inputs, record
+from stt_codegen.record.number_changes import describe_numbers
 from stt_codegen.record.overwriting import refuse_to_overwrite_certified
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.task.load import load_task
@@ -683,7 +684,7 @@ def test_a_task_that_is_refused_now_is_a_difference_and_hides_no_other(recorded,
     path.write_bytes(path.read_bytes() + b"\n")
     result = run_command("check", cwd=recorded)
     assert result.returncode == 1
-    assert f"{FOLDER}: is not made any more: " in result.stdout
+    assert f"{FOLDER}: is not made any more (--accept leaves it as it is): " in result.stdout
     assert f"{FOLDER}: since it was recorded: {TASK_CHANGED}" in result.stdout
     assert "second/refined/float: since it was recorded: second.c edited" in result.stdout
 

@@ -61,10 +61,10 @@ def binary_operator(word: str) -> str:
     return sign if sign in (*PRECEDENCE, "<->") else ""
 
 
-def seconds(words: list[str]) -> Fraction:
-    """Read a number of seconds, perhaps with a unit."""
-    value = Fraction(decimal(words.pop(0)))
-    return value * UNITS[words.pop(0)] if words[0] in UNITS else value
+def seconds(words: list[str]) -> tuple[Fraction, str]:
+    """Read a number of seconds, perhaps with a unit, and return that too."""
+    value, unit = Fraction(decimal(words.pop(0))), words.pop(0) if words[0] in UNITS else ""
+    return value * UNITS[unit or "s"], unit
 
 
 def expect(words: list[str], *allowed: str) -> None:
@@ -78,22 +78,19 @@ def window(words: list[str]) -> Interval:
     if words[0] != "[":
         return ZERO, math.inf
     words.pop(0)
-    begin = seconds(words)
+    begin, first_unit = seconds(words)
     expect(words, ",", ":")
     if words[0] == "inf":
         words.pop(0)
         expect(words, "]", ")")
         return begin, math.inf
-    end = seconds(words)
+    end, last_unit = seconds(words)
     expect(words, "]")
+    if begin and "" in (first_unit, last_unit) and {first_unit, last_unit} - {"", "s"}:
+        raise Unusable("a formula of the mission has a window with one unit, which tools read in different ways")
     if end < begin:
         raise Unusable("a formula of the mission has a window that ends before it begins")
     return begin, end
-
-
-def spelled(start: list[str], words: list[str]) -> str:
-    """Return the words that were read since `start`."""
-    return " ".join(start[: len(start) - len(words)])
 
 
 def parse(text: Any) -> Formula:
@@ -107,21 +104,18 @@ def parse(text: Any) -> Formula:
         ->, <-> or until without brackets, so it is refused."""
         if level == len(PRECEDENCE):
             return unary()
-        signs, start, f = ("->", "<->") if level == 0 else (PRECEDENCE[level],), words[:], binary(level + 1)
-        chain = [spelled(start, words)]  # of operands, and the operators between them
+        signs, f, is_chain = ("->", "<->") if level == 0 else (PRECEDENCE[level],), binary(level + 1), False
         while (sign := binary_operator(words[0])) in signs:
-            start = words[:]
             words.pop(0)
             over = window(words) if sign == "until" else (ZERO, ZERO)
-            chain.append(spelled(start, words))
-            start, last = words[:], binary(level + 1)
-            chain.append(spelled(start, words))
+            last = binary(level + 1)
             if sign in ("and", "or"):
                 f = joined(sign, f, last)
-            elif len(chain) > 3:
-                a, first, b, second, c = chain
-                raise Unusable(f"a formula needs brackets: ({a} {first} {b}) {second} {c}, or {a} {first} ({b} {second} {c})")
-            elif sign == "until":
+                continue
+            if is_chain:
+                raise Unusable("a formula needs brackets about its ->, <-> or until")
+            is_chain = True
+            if sign == "until":
                 f = ("until", over, f, last)
             elif sign == "->":
                 f = joined("or", negated(f), last)

@@ -42,7 +42,7 @@ def simulate(
     latency: Latency = None,
     lag: Annotated[
         float | None,
-        typer.Option(min=0, metavar="SECONDS", help="u acts through one first-order lag (default: the drives of [plant])"),
+        typer.Option(min=0, metavar="SECONDS", help="u acts through a first-order lag (default: drives of [plant])"),
     ] = None,
     clock: Annotated[
         str,
@@ -51,8 +51,7 @@ def simulate(
     start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,
     gain: Annotated[
-        str | None,
-        typer.Option(help='another control.gain, or "best": the proved gain with the largest margin'),
+        str | None, typer.Option(help='another control.gain, or "best": the proved gain with the largest margin')
     ] = None,
     out: Annotated[
         Path | None, typer.Option(readable=False, metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")
@@ -72,8 +71,7 @@ def simulate(
 
         request = Request(
             plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency,
-            lag=lag, start=start,
-            seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
+            lag=lag, start=start, seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
         )  # fmt: skip
         controller = build(task, design, scalar, uncertified, effort=effort_for(task, effort))
         report = run_loop(controller, request, out)

@@ -225,19 +225,24 @@ class _FormulaParser:
         if self.token != "[":
             return Interval()
         self.index += 1
-        begin = self.number()
+        begin, unit_of_begin = self.number()
         self.require(":" if self.token == ":" else ",")  # rtamt writes [0:8]
         is_endless = self.token == "inf"
         if is_endless:
             self.index += 1
-        end = None if is_endless else self.number()
+        end, unit_of_end = (None, unit_of_begin) if is_endless else self.number()
         self.require(")" if is_endless and self.token == ")" else "]")  # no time is infinite, so the end may be left open
         if end is not None and end < begin:
             raise ValueError(f"has a window from {decimal(begin)} to {decimal(end)}; from must not be after to")
+        if begin and "" in (unit_of_begin, unit_of_end) and {unit_of_begin, unit_of_end} - {"", "s"}:
+            raise ValueError(
+                f"has a window from {decimal(begin)} s with one unit, {unit_of_begin or unit_of_end!r}, which some tools give "
+                "to both bounds; give each its own"
+            )
         return Interval(begin, end)
 
-    def number(self) -> Fraction:
-        """Read a number of seconds."""
+    def number(self) -> tuple[Fraction, str]:
+        """Read a number of seconds, and the unit behind it; empty for none."""
         if not self.token[:1].isdigit():
             raise self.error("a number of seconds")
         self.index += 1
@@ -250,8 +255,10 @@ class _FormulaParser:
             raise ValueError(
                 f"has the unit {self.token!r} at character {position}; units are {', '.join(SECONDS)}, and seconds without one"
             )
-        self.index += unit is not None
-        return Fraction(value) * (unit or 1)
+        if unit is None:
+            return Fraction(value), ""
+        self.index += 1
+        return Fraction(value) * unit, self.tokens[self.index - 1][0]
 
     def refuse_unread(self, operators: Mapping[str, str]) -> None:
         """Raise where the next token is an operator of other tools that has no synonym here."""
