@@ -167,10 +167,9 @@ def test_a_chain_that_tools_read_in_different_ways_is_refused_with_both_readings
     assert parse_formula(from_left) != parse_formula(from_right)
     with pytest.raises(ValueError, match=re.escape(f"write {from_left} or {from_right}")):
         parse_formula(context.format(chain))
-    with pytest.raises(Unusable, match="a formula needs brackets") as refusal:
+    operators = re.findall(r"implies|iff|until|U|<->|=>|->", chain)[:2]
+    with pytest.raises(Unusable, match=re.escape("needs brackets: (f {0} g) {1} h, or f {0} (g {1} h)".format(*operators))):
         checker_formula.parse(context.format(chain))
-    if chain.count("->") < 3:  # the checker shows the first three operands
-        assert f"{from_left},or{from_right}".replace(" ", "") in str(refusal.value).replace(" ", "")
 
 
 OPERATORS = (" and ", " or ", " implies ", " iff ", " until[0:3] ")

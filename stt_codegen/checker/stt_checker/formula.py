@@ -91,11 +91,6 @@ def window(words: list[str]) -> Interval:
     return begin, end
 
 
-def spelled(start: list[str], words: list[str]) -> str:
-    """Return the words that were read since `start`."""
-    return " ".join(start[: len(start) - len(words)])
-
-
 def parse(text: Any) -> Formula:
     """Read a formula by recursive descent."""
     if not isinstance(text, str):
@@ -103,32 +98,22 @@ def parse(text: Any) -> Formula:
     words = [*re.findall(TOKEN, text), ""]
 
     def binary(level: int) -> Formula:
-        """Read formulas that are joined by an operator of this level or a later one of PRECEDENCE. Tools differ about a chain of
-        ->, <-> or until without brackets, so it is refused."""
+        """Read formulas joined by an operator of this level or a later one of PRECEDENCE. Chains need brackets."""
         if level == len(PRECEDENCE):
             return unary()
-        signs, start, f = ("->", "<->") if level == 0 else (PRECEDENCE[level],), words[:], binary(level + 1)
-        chain = [spelled(start, words)]  # of operands, and the operators between them
+        signs, before, f = ("->", "<->") if level == 0 else (PRECEDENCE[level],), "", binary(level + 1)
         while (sign := joins(words[0])) in signs:
-            start = words[:]
-            words.pop(0)
-            over = window(words) if sign == "until" else (ZERO, ZERO)
-            chain.append(spelled(start, words))
-            start, last = words[:], binary(level + 1)
-            chain.append(spelled(start, words))
-            if sign in ("and", "or"):
-                f = joined(sign, f, last)
-            elif len(chain) > 3:
-                a, first, b, second, c = chain
-                raise Unusable(f"a formula needs brackets: ({a} {first} {b}) {second} {c}, or {a} {first} ({b} {second} {c})")
-            elif sign == "until":
-                f = ("until", over, f, last)
-            elif sign == "->":
-                f = joined("or", negated(f), last)
+            if before and sign not in ("and", "or"):
+                raise Unusable(f"a formula needs brackets: (f {before} g) {words[0]} h, or f {before} (g {words[0]} h)")
+            before, over = words.pop(0), window(words) if sign == "until" else None
+            last = binary(level + 1)
+            if level:
+                f = ("until", over, f, last) if sign == "until" else joined(sign, f, last)
             else:
-                f = joined("and", joined("or", negated(f), last), joined("or", negated(last), f))
+                forward = joined("or", negated(f), last)
+                f = forward if sign == "->" else joined("and", forward, joined("or", negated(last), f))
                 if size(f) > FORMULA_LIMIT:
-                    raise Unusable("a formula has more <-> than can be checked in good time")
+                    raise Unusable("a formula has more -> and <-> than can be checked in good time")
         return f
 
     def unary() -> Formula:
