@@ -9,7 +9,8 @@ import random
 import re
 import time
 from collections.abc import Callable
-from itertools import product
+from fractions import Fraction
+from itertools import pairwise, product
 from typing import Any
 
 import pytest
@@ -17,7 +18,7 @@ import pytest
 import stt_codegen as stt
 from stt_codegen.checker.stt_checker import formula as checker_formula
 from stt_codegen.checker.stt_checker.exact import Unusable
-from stt_codegen.design.refusals.regions_at_once import excluded_regions
+from stt_codegen.design.refusals.regions_at_once import excluded_regions, needed_finally, needed_now
 from stt_codegen.task import parse_task
 from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until, conjunction
 from stt_codegen.task.mission.grammar import parse_formula
@@ -166,7 +167,8 @@ def test_a_chain_that_tools_read_in_different_ways_is_refused_with_both_readings
     assert parse_formula(from_left) != parse_formula(from_right)
     with pytest.raises(ValueError, match=re.escape(f"write {from_left} or {from_right}")):
         parse_formula(context.format(chain))
-    with pytest.raises(Unusable, match="a formula needs brackets"):
+    operators = re.findall(r"implies|iff|until|U|<->|=>|->", chain)[:2]
+    with pytest.raises(Unusable, match=re.escape("needs brackets: (f {0} g) {1} h, or f {0} (g {1} h)".format(*operators))):
         checker_formula.parse(context.format(chain))
 
 
@@ -238,10 +240,10 @@ REGIONS = {
 }
 
 
-def excluded(formula: str) -> str:
-    """Return the problem that is found of a task with this formula; empty for none."""
+def excluded(formula: str, tables: str = "") -> str:
+    """Return the problem that is found of a task with this formula and further tables; empty for none."""
     regions = "".join(f'[[region]]\nname = "{name}"\n{lines}\n' for name, lines in REGIONS.items())
-    return (excluded_regions(parse_task(f'{TASK}{regions}[[mission]]\nformula = "{formula}"\n')) or ("", ""))[0]
+    return (excluded_regions(parse_task(f'{TASK}{tables}{regions}[[mission]]\nformula = "{formula}"\n')) or ("", ""))[0]
 
 
 @pytest.mark.parametrize(
@@ -273,6 +275,80 @@ def test_a_mission_of_regions_that_do_not_meet_is_refused_with_the_reason() -> N
     regions = "".join(f'[[region]]\nname = "{name}"\n{REGIONS[name]}\n' for name in ("L", "A"))
     with pytest.raises(stt.NotCertified, match=r"they do not meet; `f until g` asks for f up to and including the moment of g"):
         stt.build(parse_task(f'{TASK}{regions}[[mission]]\nformula = "L until A"\n'))
+
+
+TARGET = "[target_set]\nlower = [3, 0]\nupper = [4, 1]\n"
+
+
+@pytest.mark.parametrize(
+    ("formula", "problem"),
+    [
+        ("F G A", "from t_c on the tube stands in the target, and must be in A; they do not meet"),
+        ("F always[2, inf] A", "from t_c on the tube stands in the target, and must be in A; they do not meet"),
+        ("always (wide -> eventually[0, 4] A)", ""),
+        ("always eventually A", "from t_c on the tube stands in the target, and must be in A; they do not meet"),
+        ("eventually[10, 10] A", "from t_c on the tube stands in the target, and must be in A; they do not meet"),
+        ("F G not corner", "from t_c on the tube stands in the target, and must be in not corner; the target lies in corner"),
+        ("eventually A", ""),
+        ("F (A and F G not A)", ""),
+        ("(A implies L) implies A", "at t = 0 the tube is in the initial set, and must be in A; they do not meet"),
+        ("G[0, 2] not L", "at t = 0 the tube is in the initial set, and must be in not L; the initial set lies in L"),
+        ("corner until A", "at t = 0 the tube is in the initial set, and must be in corner; they do not meet"),
+    ],
+)
+def test_regions_that_exclude_the_initial_set_or_the_target_are_named(formula: str, problem: str) -> None:
+    corner = '[[region]]\nname = "corner"\nlower = [2.7, 0]\nupper = [4, 3]\n'
+    assert excluded(formula, TARGET + corner) == problem
+
+
+@pytest.mark.parametrize(
+    ("formula", "reason"),
+    [
+        ("F G A", "the tube stands in the target, and must be in A; they do not meet"),
+        ("F[0, 10 ns] A", "A must hold by 1e-08 s; they do not meet, and the search reaches regions at ends of up to"),
+    ],
+)
+def test_a_refusal_says_what_no_change_of_times_can_mend(formula: str, reason: str) -> None:
+    region = f'[[region]]\nname = "A"\n{REGIONS["A"]}\n'
+    with pytest.raises(stt.NotCertified, match=reason):
+        stt.build(parse_task(f'{TASK}{TARGET}{region}[[mission]]\nformula = "{formula}"\n'), effort=0)
+
+
+def random_formula(draw: random.Random, depth: int) -> str:
+    """Return the text of a formula about A and B with all brackets."""
+    if depth == 0 or draw.random() < 0.15:
+        return draw.choice(("A", "B", "not A", "not B"))
+    window = draw.choice(("", "[0, 2]", "[1, 3]", "[6, 7]", "[7, inf]", "[0, 6]"))
+    first, last = (random_formula(draw, depth - 1) for _ in range(2))
+    timed = (f"(always{window} {first})", f"(eventually{window} {first})", f"({first} until{window} {last})")
+    return draw.choice((*timed, f"({first} and {last})", f"({first} or {last})", f"({first} -> {last})"))
+
+
+def random_run(draw: random.Random) -> dict[Any, list[tuple[Any, Any]]]:
+    """Return when a run is in and out of A and B that stands from 6 s on, as the checker writes it."""
+    known: dict[Any, list[tuple[Any, Any]]] = {(side, region): [] for side in ("in", "out") for region in "AB"}
+    for region in "AB":
+        switches = sorted(draw.sample(range(1, 12), draw.randint(0, 3)))
+        sides = draw.choice((("in", "out"), ("out", "in")))
+        for k, span in enumerate(pairwise([Fraction(0), *(Fraction(s, 2) for s in switches), math.inf])):
+            known[sides[k % 2], region].append(span)
+    return known
+
+
+def test_what_is_needed_at_the_ends_holds_there_in_every_run_that_satisfies_the_formula() -> None:
+    draw, satisfied_runs, needed_regions = random.Random(5), 0, 0
+    for _ in range(3000):
+        formula, known = parse_formula(random_formula(draw, draw.randint(1, 3))), random_run(draw)
+        if not any(begin == 0 for begin, _ in checker_formula.satisfied(canonical(formula), known)):
+            continue
+        satisfied_runs += 1
+        for moment, needed in ((0, needed_now(formula)), (1000, needed_finally(formula, Fraction(6)))):
+            needed_regions += len(needed)
+            for region in needed:
+                spans = known["out" if region.is_negated else "in", region.region]
+                assert any(begin <= moment <= end for begin, end in spans), str(formula)
+    assert satisfied_runs > 300
+    assert needed_regions > 300
 
 
 def canonical(formula: Formula) -> tuple[Any, ...]:

@@ -100,29 +100,22 @@ def parse(text: Any) -> Formula:
     words = [*re.findall(TOKEN, text), ""]
 
     def binary(level: int) -> Formula:
-        """Read formulas that are joined by an operator of this level or a later one of PRECEDENCE. Tools differ about a chain of
-        ->, <-> or until without brackets, so it is refused."""
+        """Read formulas joined by an operator of this level or a later one of PRECEDENCE. Chains need brackets."""
         if level == len(PRECEDENCE):
             return unary()
-        signs, f, is_chain = ("->", "<->") if level == 0 else (PRECEDENCE[level],), binary(level + 1), False
+        signs, before, f = ("->", "<->") if level == 0 else (PRECEDENCE[level],), "", binary(level + 1)
         while (sign := binary_operator(words[0])) in signs:
-            words.pop(0)
-            over = window(words) if sign == "until" else (ZERO, ZERO)
+            if before and sign not in ("and", "or"):
+                raise Unusable(f"a formula needs brackets: (f {before} g) {words[0]} h, or f {before} (g {words[0]} h)")
+            before, over = words.pop(0), window(words) if sign == "until" else None
             last = binary(level + 1)
-            if sign in ("and", "or"):
-                f = joined(sign, f, last)
-                continue
-            if is_chain:
-                raise Unusable("a formula needs brackets about its ->, <-> or until")
-            is_chain = True
-            if sign == "until":
-                f = ("until", over, f, last)
-            elif sign == "->":
-                f = joined("or", negated(f), last)
+            if level:
+                f = ("until", over, f, last) if sign == "until" else joined(sign, f, last)
             else:
-                f = joined("and", joined("or", negated(f), last), joined("or", negated(last), f))
+                forward = joined("or", negated(f), last)
+                f = forward if sign == "->" else joined("and", forward, joined("or", negated(last), f))
                 if part_count(f) > FORMULA_LIMIT:
-                    raise Unusable("a formula has more <-> than can be checked in good time")
+                    raise Unusable("a formula has more -> and <-> than can be checked in good time")
         return f
 
     def unary() -> Formula:

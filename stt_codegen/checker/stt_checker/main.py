@@ -37,29 +37,24 @@ def verdict(arguments: list[str]) -> tuple[str, int]:
     """Run the check. Return a line, and the exit code."""
     if arguments != ["--meaning"] and len(arguments) != 3:
         return (__doc__ or "").strip(), 2
-    file = "a file"
     try:
         if arguments == ["--meaning"]:
             from . import meaning
 
             meaning.check_meaning()
             return "checker: the listings compute the tube and the law, and round no more than rounding.py and integers.py say", 0
-        limits = (TASK_BYTES, SOURCE_BYTES, CERTIFICATE_BYTES)
-        data, text, proof = (read_bounded(Path(a), limit) for a, limit in zip(arguments, limits, strict=True))
-        file = arguments[0]
-        task = Task(data)
-        file = arguments[2]
-        certificate = json.loads(proof)
+        data, text, proof = map(read_bounded, map(Path, arguments), (TASK_BYTES, SOURCE_BYTES, CERTIFICATE_BYTES))
+        task, certificate = Task(data), json.loads(proof)
         if not isinstance(certificate, dict) or certificate.get("design") != "refined":
             raise Unusable("the certificate is not of a refined tube; only those can be checked here")
         # read again: decimals are refused only now, since certificates of other tubes have them
         certificate = json.loads(proof, parse_float=refuse_decimal, object_pairs_hook=refuse_duplicates)
-        file = "a file"
         proved = check(task, certificate, text, Path(arguments[1]).parent)
     except Refused as problem:
         return f"checker: refused: {plain(problem)}", 1
     except Exception as problem:  # whatever a file does to the checker, the answer is not "verified"
-        reason = f"{plain(file)} is not of the form that is read here ({type(problem).__name__}: {plain(problem)})"
+        file = dict(zip(("TOMLDecodeError", "", "JSONDecodeError"), arguments, strict=False)).get(kind := type(problem).__name__)
+        reason = f"{plain(file or 'a file')} is not of the form that is read here ({kind}: {plain(problem)})"
         reason = f"{plain(problem.filename)} cannot be read ({problem.strerror})" if isinstance(problem, OSError) else reason
         return f"checker: cannot check: {plain(problem) if isinstance(problem, Unusable) else reason}", 2
     return f"checker: verified: {task.name}: {proved}", 0

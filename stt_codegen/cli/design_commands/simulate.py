@@ -23,6 +23,10 @@ from stt_codegen.cli.options import (
     say,
 )
 
+RunsFolder = Annotated[
+    Path | None, typer.Option(readable=False, metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")
+]
+
 
 def simulate(
     task: TaskFile,
@@ -53,9 +57,7 @@ def simulate(
     gain: Annotated[
         str | None, typer.Option(help='another control.gain, or "best": the proved gain with the largest margin')
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(readable=False, metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")
-    ] = None,
+    out: RunsFolder = None,
     axes: Axes = None,
     design: DesignOption = None,
     scalar: ScalarOption = None,
