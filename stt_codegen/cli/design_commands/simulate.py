@@ -70,8 +70,7 @@ def simulate(
 
         request = Request(
             plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency,
-            lag=lag, start=start,
-            seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
+            lag=lag, start=start, seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
         )  # fmt: skip
         controller = build(task, design, scalar, uncertified, effort=effort_for(task, effort))
         report = run_loop(controller, request, out)
