@@ -24,9 +24,9 @@ from tests.support.controllers import ROOT, controller_of
 MODULES = sorted((FOLDER / "stt_checker").glob("*.py"))
 # Lines that may be read; what computes again what the listings mean is read once.
 # 2,000 were wanted. Axes that close and covered starts are 240 of the rest, drives that lag, assumed plants and guards 205, bounds on
-# files and streams 48, formulas as other tools write them 30, bounds by component and a norm of u 22; messages that name an axis, a
+# files and streams 48, formulas as other tools write them 31, bounds by component and a norm of u 22; messages that name an axis, a
 # line or a number, and one statement a line, are most of what remains.
-LINE_LIMIT = 2842  # of Python, without MEANING
+LINE_LIMIT = 2843  # of Python, without MEANING
 LINE_LIMIT_OF_A_FILE = 238  # formula.py, which reads formulas as other tools write them
 # 1,100 and 400 were wanted, for float or double, order 1, no period, no mission, no set that moves. What a task may state of its
 # drive, of a norm of u and by component, the logarithm that the worst path shares, and bounds on files are 137.
