@@ -27,7 +27,7 @@ MODULES = sorted((FOLDER / "stt_checker").glob("*.py"))
 # files and streams 48, formulas as other tools write them 31, bounds by component and a norm of u 22; messages that name an axis, a
 # line or a number, and one statement a line, are most of what remains.
 LINE_LIMIT = 2843  # of Python, without MEANING
-LINE_LIMIT_OF_A_FILE = 238  # formula.py, which reads formulas as other tools write them
+LINE_LIMIT_OF_A_FILE = 239  # formula.py, which reads formulas as other tools write them
 # 1,100 and 400 were wanted, for float or double, order 1, no period, no mission, no set that moves. What a task may state of its
 # drive, of a norm of u and by component, the logarithm that the worst path shares, and bounds on files are 137.
 LINE_LIMIT_OF_AN_ORDINARY_READER = 1563  # of Python
