@@ -7,6 +7,7 @@ Long because every kind of input has a good file, its bombs, and its commands.
 
 from __future__ import annotations
 
+import copy
 import io
 import json
 import random
@@ -131,7 +132,7 @@ def mutate_structure(document: Any, rng: random.Random) -> Any:
         elif change == 2 and isinstance(table[last], list):
             table[last] = table[last] * rng.choice((0, 2, 50))
         else:
-            table[last] = rng.choice(VALUES)
+            table[last] = copy.deepcopy(rng.choice(VALUES))  # the next change may be of a value within it
     return document
 
 

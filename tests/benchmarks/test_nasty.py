@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import random
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from benchmarks.nasty import Outcome, broken_laws, half_written
-from benchmarks.suites.nasty_inputs import MAKERS, Case, bombs, draw_case, fields_of_schema
+from benchmarks.suites.nasty_inputs import MAKERS, VALUES, Case, bombs, draw_case, fields_of_schema, good_task, mutate_structure
 from tests.support.controllers import ROOT
 
 COUNT, SEED = 30, 6
@@ -31,6 +33,13 @@ def test_cases_are_the_same_for_a_seed_and_of_every_kind() -> None:
     assert len({(bomb.kind, bomb.family) for bomb in bombs()}) == len(list(bombs())) > 100
     assert ("plant", "g_min") in fields_of_schema()
     assert ("unsafe", "motion", "at") in fields_of_schema()
+
+
+def test_a_drawn_structure_leaves_the_values_that_others_are_drawn_from() -> None:
+    values = repr(VALUES)
+    for seed in range(500):
+        mutate_structure(tomllib.loads(good_task("omni_s3").decode()), random.Random(seed))
+    assert repr(VALUES) == values
 
 
 def test_the_drawn_inputs_and_the_bombs_are_of_every_kind() -> None:
