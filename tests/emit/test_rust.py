@@ -55,7 +55,7 @@ TASK_OF_SHAPE = {"differences": "drone"}  # by default the task of that name, or
 
 def task_of(shape: str) -> Task:
     name = TASK_OF_SHAPE.get(shape, shape if (ROOT / "tasks" / f"{shape}.toml").exists() else "omni_s2")
-    return load_task(ROOT / "tasks" / f"{name}.toml").changed(**SHAPES[shape])
+    return load_task(ROOT / "tasks" / f"{name}.toml").changed(**SHAPES.get(shape, {}))
 
 
 @cache
