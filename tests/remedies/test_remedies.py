@@ -122,7 +122,9 @@ def test_what_another_preference_certifies_is_certified_without_one(seed: int) -
     assert not preferred.certificate.holds
     controller = build_task(task)
     assert controller.certificate.holds
-    assert pipeline.certify(*designed(task)).holds
+    chosen, design, program = designed(task)
+    assert design == controller.design
+    assert pipeline.certify(chosen, design, program).holds
     width, speed = float(controller.certificate.minimum_width), float(max(controller.certificate.speed))
     assert "the preferred tube is not certified (period (P9): " in controller.replaces
     assert f"least width {width:.4g} in place of {float(preferred.certificate.minimum_width):.4g}" in controller.replaces
@@ -182,7 +184,7 @@ def designed(task: Task) -> tuple[Task, pipeline.Design, pipeline.Program]:
     return chosen, design, pipeline.build_program(chosen, design)
 
 
-@pytest.mark.parametrize(("kind", "seed"), [("coupling", 2), ("input", 1), ("passage", 3), ("speed", 1), ("mission", 2)])
+@pytest.mark.parametrize(("kind", "seed"), [("input", 1), ("passage", 3), ("speed", 1), ("mission", 2)])
 def test_every_remedy_of_a_drawn_task_is_true(kind: str, seed: int) -> None:
     """`python -m benchmarks refusals` does this for 200 tasks."""
     assert follow_remedies(parse_task(task_text(kind, seed)))
@@ -208,10 +210,8 @@ def test_the_solver_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("order_two", [False, True])
-def test_design_certify_and_build_agree_about_the_tube(order_two: bool) -> None:
-    plant = {"plant": {"order": 2, "w_max": "0.1"}} if order_two else {}
-    task = arena_task(FAMILIES["paper"], 36).changed(control={"period": "0.01", "u_max": "3"}, **plant)
+def test_design_certify_and_build_agree_about_the_tube() -> None:
+    task = arena_task(FAMILIES["paper"], 36).changed(control={"period": "0.01", "u_max": "3"})
     design = pipeline.design_tube(task)
     assert design == build_task(task).design
     assert pipeline.attempt(task, design).certificate.holds
