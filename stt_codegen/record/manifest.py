@@ -144,6 +144,8 @@ def read_manifest(root: Path) -> list[RecordedFolder]:
         if entry.design not in get_args(DesignKind) or entry.scalar not in ("float", "double", "fixed"):
             problem = f"has the design {entry.design!r:.20} in {entry.scalar!r:.20} for {entry.folder!r:.60}"
             raise BadInput(f"{path}: {problem}, which this tool does not make; record the tasks again")
+        if "\0" in entry.task:
+            raise BadInput(f"{path}: has the task {entry.task!r:.60}, which is no path; record the tasks again")
         for name in (entry.folder, *entry.sha256):
             if Path(name).is_absolute() or ".." in Path(name).parts or not Path(name).parts or "\0" in name:
                 raise BadInput(f"{path}: has the path {name!r:.60}, which leaves its folder; record the tasks again")

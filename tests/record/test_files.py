@@ -517,6 +517,7 @@ HOSTILE_MANIFESTS = {
     "a folder that leaves": lambda d: d["folders"].update({"../../x": next(iter(d["folders"].values()))}),
     "an absolute folder": lambda d: d["folders"].update({"/tmp/x": next(iter(d["folders"].values()))}),
     "a file that leaves": lambda d: next(iter(d["folders"].values()))["sha256"].update({"../../../../tasks/empty.toml": "00"}),
+    "a task that is no path": lambda d: next(iter(d["folders"].values())).update(task="a\0b.toml"),
     "an unknown design": lambda d: next(iter(d["folders"].values()))["options"].update(design="\0"),
     "an unknown scalar": lambda d: next(iter(d["folders"].values()))["options"].update(scalar=-(2**64)),
     "hashes that are a number": lambda d: next(iter(d["folders"].values())).update(sha256=5),
