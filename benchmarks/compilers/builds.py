@@ -29,7 +29,7 @@ FAST_MATH_WORDS = "compile without -ffast-math"  # of the #error
 REFUSED = "refused"  # by an #error of the file
 NARROW_DOUBLE_WORDS = "double is not IEEE-754's here"
 MAIN = r"""#ifdef ON_BOARD
-#include "board.h"
+#include "stt-board.h"
 #else
 #include <stdio.h>
 #define board_start()
