@@ -30,7 +30,7 @@ def sampling_lines(sampling: SamplingReport, tick_period: float | None) -> Itera
         return
     about = f"for {sampling.plant} from every start with {sampling.starts}"
     if sampling.has_proved_period:
-        period = f"{Property.PERIOD.label} holds for the emitted controller, every {format_time(sampling.wanted)}"
+        period = f"{Property.PERIOD.label} is proved for [plant] of the task, every {format_time(sampling.wanted)} or faster"
         yield Line(f"sampling: {period}; its proof follows the worst path")
         yield Line(f"a second proof takes the worst case at each time, and so proves other periods, {about}:")
     else:

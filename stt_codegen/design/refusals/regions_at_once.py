@@ -71,7 +71,7 @@ def _in_order(regions: Regions) -> list[InRegion]:
     return sorted(regions, key=lambda r: (r.is_negated, r.region))
 
 
-def early_visit(task: Task, segments: int) -> tuple[str, str] | None:
+def explain_early_visit(task: Task, segments: int) -> tuple[str, str] | None:
     """Return a problem and a hint where a region must be reached sooner than the first of this number of segments ends."""
     formula = conjunction(*(entry.meaning(task.prescribed_time, task.repeat) for entry in task.mission))
     step = task.prescribed_time / segments

@@ -13,7 +13,7 @@ from stt_codegen.decimals import by_component
 from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.mission_search import MissionSearch, search_of
 from stt_codegen.design.missions import Mission, Waypoints, describe_conflict, mission_of
-from stt_codegen.design.refusals.regions_at_once import early_visit, excluded_regions
+from stt_codegen.design.refusals.regions_at_once import excluded_regions, explain_early_visit
 from stt_codegen.design.spline_tubes import TubeSearch, segment_counts_of
 from stt_codegen.errors import Reason
 from stt_codegen.properties import Property
@@ -40,7 +40,7 @@ def explain_unmet_mission(task: Task, arena: Arena) -> Reason:
     problem = "no tube was found"
     if not mission.skeletons:
         problem = "no times were found that satisfy all entries at once"
-    elif early := early_visit(task, segment_counts_of(task, arena)[-1]):
+    elif early := explain_early_visit(task, segment_counts_of(task, arena)[-1]):
         return _reason(*early)
     elif isinstance(search, MissionSearch) and not search.has_route():
         problem = f"no order of the visits was found whose routes between the unsafe sets are in time, for {width}"
