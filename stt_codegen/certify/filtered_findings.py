@@ -137,7 +137,7 @@ def _input_finding(task: Task, design: RefinedDesign) -> list[Finding]:
         f"|u| <= {by_component(task.u_max)} holds v + lambda x off every edge: it turns it by "
         f"{by_component(control_authority(task))}/s^2 against all that pushes"
     )
-    advice = f"raise {task.limit_key(slack.dimension)} or prescribed_time, lower tube.filter, or state a milder plant"
+    advice = f"raise {task.limit_key} or prescribed_time, lower tube.filter, or state a milder plant"
     return [_finding(design, slack, Property.LIMITS, statement, required=slack.unit, advice=advice)]
 
 

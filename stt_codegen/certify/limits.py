@@ -68,7 +68,7 @@ def certify_limits(task: Task, design: RefinedDesign) -> tuple[Finding, ...]:
         statement = f"|u| <= {limit}, scaled as a whole, outdoes all that pushes: no edge moves at {speed}/s or more"
     time = (smallest.segment * length, (smallest.segment + 1) * length)
     margin, dimension = smallest.slack * per_second, smallest.dimension + 1
-    advice = f"raise {task.limit_key(smallest.dimension)} or prescribed_time, or state a milder plant"
+    advice = f"raise {task.limit_key} or prescribed_time, or state a milder plant"
     return (Finding(Property.LIMITS, statement, margin, per_second, time, dimension=dimension, advice=advice),)
 
 

@@ -106,7 +106,7 @@ def _limit_reason(task: Task, i: int, required: float) -> Reason:
         if authority > 0
         else f"f, w and coupling take all of {limit}"
     )
-    hint = f"raise {task.limit_key(i)} or prescribed_time, or state a milder plant"
+    hint = f"raise {task.limit_key} or prescribed_time, or state a milder plant"
     return Reason(f"{Property.LIMITS.label}: {demand}; {left}", hint, codes=(Property.LIMITS.code,), axis=i)
 
 

@@ -21,6 +21,11 @@ def is_within_norm(limits: Sequence[Fraction], norm: Fraction) -> bool:
     return sum((v * v for v in limits), Fraction(0)) <= norm * norm
 
 
+def uses_norm_up(limits: Sequence[Fraction], norm: Fraction) -> bool:
+    """Return whether limits leave no more of the norm than their rounding takes."""
+    return sum((v * v for v in limits), Fraction(0)) >= (norm * (1 - Fraction(1, 10 ** (SHARE_DIGITS - 2)))) ** 2
+
+
 def shares_of_norm(needed: Sequence[Fraction], norm: Fraction, caps: Sequence[Fraction] | None = None) -> tuple[Fraction, ...]:
     """Return the largest limits of |u_i| in proportion to the needed inputs with which |u| stays within the norm.
 

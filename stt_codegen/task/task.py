@@ -22,6 +22,7 @@ from stt_codegen.design_kinds import DesignKind
 from stt_codegen.errors import BadInput
 from stt_codegen.task.checks import explain, first_problem, structure_problem
 from stt_codegen.task.closed_axes import ClosedAxis, SetImage, expand_turns, turns_problem
+from stt_codegen.task.input_norm import uses_norm_up
 from stt_codegen.task.map import FloorPlan, expand_outline, name_walls
 from stt_codegen.task.schema import ControlOptions, PlantBounds, Scalar, TaskTables
 from stt_codegen.task.sets import Unsafe
@@ -222,16 +223,12 @@ class Task(TaskTables):
         """The numbers of control.u_max by component, whatever was chosen within them; None where it has none."""
         return self._limits_in(self._stated_tables[0])
 
-    def limit_key(self, axis: int) -> str:
-        """Return the key of the task file to raise where u is too small on an axis (from 0).
-
-        It is that of the norm, where u_max is what the norm leaves, and not the limit that the task states for the axis.
-        """
+    @property
+    def limit_key(self) -> str:
+        """The key of the task file to raise where u is too small: that of its norm, where the chosen limits use the norm up."""
         if self.control.u_norm is None or not self.has_chosen_limit:
             return "control.u_max"
-        caps, limits = self.stated_u_max, self.u_max
-        is_capped = caps is not None and limits is not None and limits[axis] == caps[axis]
-        return "control.u_max" if is_capped else "control.u_norm"
+        return "control.u_norm" if uses_norm_up(self.u_max or (), self.control.u_norm) else "control.u_max"
 
     @property
     def has_gentle_gain(self) -> bool:

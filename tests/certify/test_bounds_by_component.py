@@ -21,6 +21,7 @@ from stt_codegen.constraints import avoidances, width_constraints
 from stt_codegen.design.arena import arena_of, with_one_clearance
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import NotCertified
+from stt_codegen.report.page.evidence import requirement_of
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
 from tests.support.checked_files import REFUSED, VERIFIED, Files, certificate_of, verdict, verdict_of_proof, with_text
@@ -205,6 +206,23 @@ def tube_verdicts(task: Task, bezier: Any, unit: Fraction) -> list[bool]:
     """Return whether P1 and P4 hold of a tube."""
     blocks = (ConstraintBlock.of(width_constraints(task), unit), ConstraintBlock.choice(avoidances(task), unit))
     return [smallest_slack(bezier, block, Fraction(0)).slack >= 0 for block in blocks]
+
+
+@pytest.mark.parametrize(
+    ("tube", "said"),
+    [
+        ("clearance = [0.1, 0.3]", "the tube, grown by [0.1, 0.3] (by dimension) to both sides, meets no unsafe set, stays"),
+        ("clearance = 0.1", "the tube keeps 0.1 from every unsafe set, stays"),
+    ],
+)
+def test_a_clearance_by_component_is_said_of_the_grown_tube(tube: str, said: str) -> None:
+    """One component keeps its number at each moment, and nothing says that all of them do."""
+    controller = build_once(hall(tube))
+    header = re.sub(r"\s+\*?\s*", " ", controller.files[f"{controller.task.name}.h"].decode())
+    finding = next(f for f in controller.certificate.findings if f.code == "P4")
+    assert said in header
+    for sentence in (finding.statement, requirement_of(controller, finding)):
+        assert ("grown by [0.1, 0.3] (by dimension) to both sides, meets none of" in sentence) == ("grown" in said), sentence
 
 
 @pytest.mark.parametrize(("i", "factor"), [(0, 64), (1, 100), (1, Fraction(1, 16))])

@@ -327,6 +327,20 @@ def test_a_refusal_names_a_larger_norm_that_works() -> None:
     assert build_task(with_remedy(task, remedy)).certificate.holds
 
 
+@pytest.mark.parametrize(("limits", "key"), [("u_norm = 45\nu_max = [0.5, 50]", "u_max"), ("u_norm = 0.6", "u_norm")])
+@pytest.mark.parametrize("text", [CONTINUOUS, SAMPLED])
+def test_the_limit_that_is_to_be_raised_is_the_one_that_binds(text: str, limits: str, key: str) -> None:
+    """A larger norm is no help where an axis stands at its own u_max, and all limits are in proportion to it."""
+    task = parse_task(text.replace("u_norm = 1.5", limits))
+    tube = pipeline.preferred_tube(parse_task(text.replace("u_norm = 1.5", "u_norm = 50")))
+    reason = pipeline.attempt(task, tube).certificate.reason
+    assert f"raise control.{key} or" in reason.hint
+    stated = "control.u_max = [0.5, 50]" if key == "u_max" else "control.u_norm = 0.6"
+    assert text == CONTINUOUS or re.search(
+        rf"in dimension [12] .*{re.escape(stated)} leaves|control.u_max is 0.5", reason.problem
+    )
+
+
 @pytest.mark.parametrize("text", [CONTINUOUS, INERTIAL])
 def test_where_u_is_too_weak_the_norm_that_is_tried_first_works_and_is_not_far_above_what_is_needed(text: str) -> None:
     task = parse_task(text)

@@ -338,6 +338,8 @@ def test_the_hypothesis_about_a_plant_holds_with_the_proposed_table(name: str, p
     analysis = Analysis(build_task(task, uncertified=True, tube=controller.design), user_plant)
     hypothesis = next(h for h in analysis.hypotheses() if h.name == "[plant]")
     assert hypothesis.holds, hypothesis.statement
+    positive = next(h for h in analysis.hypotheses() if h.name == "Assumption 2")
+    assert positive.statement.endswith("locally Lipschitz is not looked at")
 
 
 def test_for_a_plant_of_the_other_sign_the_advice_is_a_negative_gain(tmp_path: Path) -> None:

@@ -46,10 +46,12 @@ def explain_period(task: Task, loop: SampledLoop, longest: LongestProof | None) 
     if weak is not None:
         needed, limit = needed_input(loop)[weak], loop.law.u_max[weak]
         against = f"|u| must exceed {above(Fraction(needed), 3):g} to outweigh the edges, f, w and coupling"
-        key, norm = task.limit_key(weak), task.control.u_norm
+        key, norm, stated = task.limit_key, task.control.u_norm, task.stated_u_max
         limit_words = f"{key} is {limit:g}"
         if key == "control.u_norm" and norm is not None:
             limit_words = f"{key} = {decimal(norm)} leaves {limit:g} there"
+        elif stated is not None and task.u_max is not None and task.u_max[weak] < stated[weak]:  # in proportion to another axis
+            limit_words = f"{key} = {by_component(stated)} leaves {limit:g} there"
         problem = f"in {task.axis_words[weak]} {against}, and {limit_words}"
         return PeriodFailure(problem, weak, f"raise {key} or prescribed_time", (key, "prescribed_time"))
     gain = f"gain {by_component(task.gain)}"
