@@ -336,9 +336,7 @@ def test_the_limit_that_is_to_be_raised_is_the_one_that_binds(text: str, limits:
     reason = pipeline.attempt(task, tube).certificate.reason
     assert f"raise control.{key} or" in reason.hint
     stated = "control.u_max = [0.5, 50]" if key == "u_max" else "control.u_norm = 0.6"
-    assert text == CONTINUOUS or re.search(
-        rf"in dimension [12] .*{re.escape(stated)} leaves|control.u_max is 0.5", reason.problem
-    )
+    assert text == CONTINUOUS or f"{stated} leaves" in reason.problem
 
 
 @pytest.mark.parametrize("text", [CONTINUOUS, INERTIAL])
